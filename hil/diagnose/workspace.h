@@ -74,6 +74,7 @@ struct ChannelFacts {
 struct ResidualChannel : ChannelFacts {
   MixedProblem problem;
   std::vector<RecordRows> rows;  ///< per record, in the order of problem.records
+  Eigen::VectorXd taken_off;     ///< strengths of columns of S that y has lost (choose/reference_latency.h); empty: none
 };
 
 /// Whose columns a variant takes.

@@ -55,7 +55,7 @@ double share_moving(const RecordInput& record, double range_N) {
   return static_cast<double>(moving) / static_cast<double>(std::max<std::size_t>(1, record.rows()));
 }
 
-// A jump: the mean half period over three turns changes by more than 1.4 while both sides are steady within 25 %.
+// A jump: the mean half period over four half periods changes by more than 1.4 while both sides are steady within 25 %.
 void find_jumps(RecordInput& record, const std::vector<Extremum>& turns) {
   constexpr std::size_t kSide = 4;
   const std::vector<double> half = half_periods(turns);
@@ -81,6 +81,15 @@ void find_jumps(RecordInput& record, const std::vector<Extremum>& turns) {
   }
 }
 
+// The usual one before the frequency first changes.
+std::optional<double> half_period_at_start_s(const RecordInput& record, const std::vector<Extremum>& turns) {
+  std::vector<Extremum> first = turns;
+  if (!record.frequency_jumps_s.empty()) std::erase_if(first, [&](const Extremum& turn) { return turn.t_s > record.frequency_jumps_s.front(); });
+  std::vector<double> half = half_periods(first);
+  if (half.empty()) return {};
+  return quantile(std::move(half), 0.5);
+}
+
 // A lab reads the instant off the record's own clock, which need not begin at 0, or counts from the first sample: what lies nearer to
 // where the force is seen to begin.
 double since_start_s(const RecordInput& record, double declared_s, double seen_s) {
@@ -98,8 +107,8 @@ void estimate_excitation(RecordInput& record, const Record* declared, double ran
   record.dynamic_assumed = declared == nullptr || !declared->dynamic.has_value();
   record.dynamic = record.dynamic_assumed ? turns >= fewest_turns && !is_static_kind(record.kind) : *declared->dynamic;
 
-  const std::vector<double> half = half_periods(turning);
-  const double typical_half_s = half.empty() ? record.duration_s : quantile(half, 0.5);
+  if (record.dynamic) find_jumps(record, turning);
+  const double typical_half_s = half_period_at_start_s(record, turning).value_or(record.duration_s);
 
   const double seen_s = turns > 0 && record.dynamic ? std::max(0.0, turning.front().t_s - typical_half_s) : 0.0;
   record.onset_s = declared != nullptr && declared->excitation_start_s ? since_start_s(record, *declared->excitation_start_s, seen_s) : seen_s;
@@ -111,10 +120,7 @@ void estimate_excitation(RecordInput& record, const Record* declared, double ran
   }
   record.f_Hz =
       declared != nullptr && declared->f_min_Hz ? *declared->f_min_Hz : 0.5 / std::max(typical_half_s, 1e-3);
-  if (!record.dynamic)
-    set_static(record);
-  else
-    find_jumps(record, turning);
+  if (!record.dynamic) set_static(record);
 }
 
 namespace {
@@ -175,15 +181,14 @@ std::vector<double> turns_begin_s(const RecordInput& record, double range_N, dou
 void begin_cycles_at(RecordInput& record, double onset_s, double range_N) {
   std::vector<Extremum> turns = turns_of(record, range_N);
   std::erase_if(turns, [&](const Extremum& turn) { return turn.t_s < onset_s; });
-  const std::vector<double> half = half_periods(turns);
-  if (half.empty()) return;
-  const double typical_half_s = quantile(half, 0.5);
-  record.onset_s = onset_s;
-  record.f_Hz = 0.5 / std::max(typical_half_s, 1e-3);
-  set_swing(record, onset_s + typical_half_s);
+  if (turns.size() < 2) return;
   record.frequency_jumps_s.clear();
   record.jump_log_ratio.clear();
   find_jumps(record, turns);
+  const double half_s = half_period_at_start_s(record, turns).value_or(record.duration_s);
+  record.onset_s = onset_s;
+  record.f_Hz = 0.5 / std::max(half_s, 1e-3);
+  set_swing(record, onset_s + half_s);
 }
 
 bool stands_mostly_still(const RecordInput& record, double range_N) {

@@ -117,6 +117,7 @@ TEST(NextVerb, ARecordingOfTheForceThatWasAskedForSettlesWhatOneSineCannot) {
   const auto list = nlohmann::json::parse(read_text(out + "/campaign.json"));
   ASSERT_EQ(list["records"].size(), 2u);
   EXPECT_EQ(list["records"][1]["file"], "played.csv");
+  EXPECT_FALSE(list["records"][1].contains("kind")) << "nobody declared what the sine is";
   EXPECT_EQ(read_text(sine), before);
 }
 

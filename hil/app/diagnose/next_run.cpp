@@ -224,6 +224,16 @@ Result<void> append_recording(const fs::path& source, const fs::path& folder, co
   return write_file_atomically(folder / "campaign.json", json.dump(1) + "\n");
 }
 
+// What was played is declared as little as the records before it: a kind would make the others those of a bench that is known.
+Result<void> drop_kinds(const fs::path& folder) {
+  const fs::path path = folder / "campaign.json";
+  std::ifstream file(path, std::ios::binary);
+  Json json = Json::parse(file, nullptr, false, true);
+  if (json.is_discarded()) return fail(ErrorCode::parse, "the campaign's description cannot be read", path.string());
+  for (Json& record : json["records"]) record.erase("kind");
+  return write_file_atomically(path, json.dump(1) + "\n");
+}
+
 }  // namespace
 
 fs::path next_folder(const fs::path& campaign) {
@@ -316,6 +326,7 @@ Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingPro
     return fail(ErrorCode::usage, "none of the segments can be played here: " + out.skipped.front(),
                 on_rig ? from.string() : request.recorded.front().string(), "record one of them and give it with --record");
   if (on_rig) copy.keep();  // what was played is worth more than a second try
+  if (std::ranges::all_of(out.before.records, [](const RecordError& r) { return r.kind.empty(); })) FORCEGATE_CHECK_OK(drop_kinds(out.folder));
   if (progress) progress(0.8, "diagnosing again");
   CampaignRequest again = request.campaign;
   again.campaign = out.folder;

@@ -24,7 +24,8 @@ MixedFit fit_without(const ResidualChannel& channel, const std::vector<int>& col
   MixedProblem problem = with_columns(channel.problem, columns);
   if (left_out)
     for (std::size_t i = 0; i < problem.records.size(); ++i) problem.records[i].heldout = i == *left_out;
-  MixedFit out = fit_mixed(problem, all, &warm, kIterations);
+  const MixedFit start = with_columns(warm, columns);
+  MixedFit out = fit_mixed(problem, all, &start, kIterations);
   out.columns = columns;
   return out;
 }

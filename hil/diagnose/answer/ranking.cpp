@@ -69,7 +69,7 @@ void add_ranking(const CampaignInput& input, const ResidualChannel& channel, con
       } else {
         for (int j : columns_of(channel, family.best.variant)) columns.push_back(j);
       }
-      const MixedFit other = fit_mixed(channel.problem, columns, &selection.final, 5);
+      const MixedFit other = fit_mixed(channel.problem, columns, &selection.final, 5, RecordUse::all_records);
       if (other.valid) {
         const double change = excess_mean_square(channel, other) - selection.excess_after;
         r.unique = std::clamp((in ? change : -change) / selection.excess_before, 0.0, 1.0);

@@ -96,7 +96,8 @@ std::vector<double> residual_on_rows(const Workspace& w, const MixedFit& fit, st
   Eigen::VectorXd e = Z.col(2) * w.shifts[k].log_b + Z.col(3) * w.shifts[k].log_q - Z.leftCols(p.nz) * fit.zeta[k] -
                       Z.leftCols(p.n_fixed) * coefficient.head(p.n_fixed);
   for (Index i = 0; i < e.size(); ++i) e[i] += chosen.U_V[rows[static_cast<std::size_t>(i)]] / channel.scale;
-  if (!fit.columns.empty()) {
+  const auto taken_off = [&](int column) { return column < channel.taken_off.size() ? channel.taken_off[column] : 0.0; };
+  if (!fit.columns.empty() || channel.taken_off.size() > 0) {
     // blocks of one recording read the columns of its first block, which alone has the force at full rate
     const auto& records = w.input.records;
     RecordInput all = *std::ranges::find_if(records, [&](const RecordInput& r) { return r.recording == chosen.recording; });
@@ -104,7 +105,7 @@ std::vector<double> residual_on_rows(const Workspace& w, const MixedFit& fit, st
     for (const Candidate& c : channel.candidates) {
       Eigen::VectorXd strength = Eigen::VectorXd::Zero(c.count);
       for (int j = 0; j < c.count; ++j)
-        if (const auto at = fit.place_of(c.first + j)) strength[j] = coefficient[*at];
+        strength[j] = taken_off(c.first + j) + (fit.place_of(c.first + j) ? coefficient[*fit.place_of(c.first + j)] : 0.0);
       if (strength.isZero(0.0)) continue;
       Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(static_cast<Index>(all.rows()), c.count);
       c.form->columns(w.input, all, c.shape, columns);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "hil/diagnose/answer/rail_voltage.h"
+#include "hil/diagnose/answer/swept_force.h"
 #include "hil/diagnose/base/judge.h"
 #include "hil/diagnose/choose/objection.h"
 #include "hil/diagnose/choose/reference_latency.h"
@@ -132,6 +133,12 @@ bool is_bump_that_stays(const Asked& a) {
   return std::isfinite(shortest_s) && shortest_s > kFades_s;
 }
 
+// A block that a logger lost shifts the output at once: no frequency does.
+bool is_skew_of_sweep(const Asked& a) {
+  constexpr double kSame = 0.9;
+  return a.f.effect == "clock_skew" && a.f.form == "linear" && time_as_frequency(a.w.input) > kSame;
+}
+
 // No form of a loop or a curve is right everywhere; what acts between records is judged by levels.
 bool helps_few(const Asked& a) {
   constexpr double kMost = 0.75;
@@ -155,6 +162,7 @@ constexpr std::pair<Cap, bool (*)(const Asked&)> kTests[] = {
     {Cap::play_ahead, is_play_ahead},
     {Cap::ordinary_servo, is_ordinary_servo},
     {Cap::bump_that_stays, is_bump_that_stays},
+    {Cap::skew_of_sweep, is_skew_of_sweep},
     {Cap::helps_few, helps_few},
 };
 

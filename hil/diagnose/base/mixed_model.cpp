@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "hil/diagnose/base/record_part.h"
 
@@ -293,6 +294,16 @@ MixedProblem with_columns(const MixedProblem& p, const std::vector<int>& columns
   for (const RecordGram& from : p.records)
     out.records.push_back({from.name, from.gram(at, at), from.n_eff, from.noise_variance, from.allowed_variance, from.smoothed_variance, from.heldout});
   return out;
+}
+
+MixedFit with_columns(MixedFit fit, const std::vector<int>& columns) {
+  const Index fixed = fit.coefficient.size() - std::ssize(fit.columns);
+  VectorXd coefficient(fixed + std::ssize(columns));
+  coefficient << fit.coefficient.head(fixed), fit.strengths_of(columns);
+  fit.coefficient = std::move(coefficient);
+  fit.columns.resize(columns.size());
+  std::iota(fit.columns.begin(), fit.columns.end(), 0);
+  return fit;
 }
 
 MixedFit at_freedom_of(const MixedProblem& problem, MixedFit fit, const MixedFit& freedom) {

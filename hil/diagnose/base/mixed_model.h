@@ -123,6 +123,8 @@ struct MixedFit {
 
 /// The problem with those columns of S alone.
 MixedProblem with_columns(const MixedProblem& problem, const std::vector<int>& columns);
+/// A fit of the whole problem as one to start from in that with those columns alone: strengths and the numbers of the columns. Its covariance is not made over.
+MixedFit with_columns(MixedFit fit, const std::vector<int>& columns);
 
 /// Fits the columns. `warm`, of the same columns or others, gives the variances to start from; `iterations` of EM.
 MixedFit fit_mixed(const MixedProblem& problem, const std::vector<int>& columns,

@@ -57,6 +57,7 @@ double removed_from_steps(const ResidualChannel& channel, const MixedFit& base, 
   for (std::size_t k = 0; k < problem.records.size(); ++k) rows.emplace_back(channel.rows[k].matrix(Eigen::all, of_rows));
   std::vector<int> of_base(base.columns.size());  // the first ones of those used
   std::iota(of_base.begin(), of_base.end(), 0);
+  const MixedFit start = with_columns(base, used);
   const auto mean = [&](const MixedFit& fit) {
     double sum = 0.0, n = 0.0;
     for (std::size_t k = 0; k < problem.records.size(); ++k)
@@ -71,14 +72,14 @@ double removed_from_steps(const ResidualChannel& channel, const MixedFit& base, 
     // the same in all records: a level that comes again is rounded as before
     for (std::size_t k = 0; k < problem.records.size(); ++k) problem.other_y[k] = rounded(problem.records[k], rows[k], kGolden * place);
     // at the variances of the model that is judged: no EM
-    const MixedFit without = fit_mixed(problem, of_base, &base, 1, base.use);
+    const MixedFit without = fit_mixed(problem, of_base, &start, 1, base.use);
     if (!without.valid) continue;
     const double all = mean(without);
     double most = 0.0;
     for (const Variant* v : variants) {
       std::vector<int> columns = of_base;
       for (const int j : v->columns) add_columns(columns, {static_cast<int>(std::ranges::find(used, j) - used.begin())});
-      const MixedFit with = fit_mixed(problem, columns, &base, 1, base.use);
+      const MixedFit with = fit_mixed(problem, columns, &start, 1, base.use);
       if (with.valid) most = std::max(most, all - mean(with));
     }
     sum += most;

@@ -32,4 +32,6 @@ double probability_that_real(const CampaignInput& input, const ChannelFacts& cha
   return std::min(0.98, odds / (1.0 + odds));
 }
 
+double nats_of_a_factor(double top) { return 0.03 * std::max(0.0, top) + 6.0; }
+
 }  // namespace forcegate::diagnose

@@ -79,12 +79,18 @@ Eigen::VectorXd strengths_of_leads(const ResidualChannel& channel, const std::ve
 void take_off_output(ResidualChannel& channel, const Eigen::VectorXd& c) {
   MixedProblem& p = channel.problem;
   const Eigen::Index y = p.y_index();
+  const Eigen::Index n = c.size();  // the channel may have become wider since
+  if (const Eigen::Index had = channel.taken_off.size(); had < n) {
+    channel.taken_off.conservativeResize(n);
+    channel.taken_off.tail(n - had).setZero();
+  }
+  channel.taken_off.head(n) += c;
   for (std::size_t k = 0; k < p.records.size(); ++k) {
     Eigen::MatrixXd& A = channel.rows[k].matrix;
-    A.col(y) -= A.middleCols(p.nz, p.ns) * c;
+    A.col(y) -= A.middleCols(p.nz, n) * c;
     Eigen::MatrixXd& G = p.records[k].gram;
-    const Eigen::VectorXd taken = G.middleCols(p.nz, p.ns) * c;  // X' S c, y last
-    const double yy = G(y, y) - 2.0 * taken[y] + c.dot(taken.segment(p.nz, p.ns));
+    const Eigen::VectorXd taken = G.middleCols(p.nz, n) * c;  // X' S c, y last
+    const double yy = G(y, y) - 2.0 * taken[y] + c.dot(taken.segment(p.nz, n));
     G.col(y) -= taken;
     G.row(y) = G.col(y).transpose();
     G(y, y) = yy;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "hil/diagnose/between/between_records.h"
+#include "hil/diagnose/choose/probability.h"
 #include "hil/diagnose/choose/reference_jitter.h"
 
 namespace forcegate::diagnose {
@@ -12,14 +13,11 @@ namespace {
 
 constexpr double kTold = 0.01;  // a rival's share
 
-// Evidence of rows hangs together and needs a scale.
-double nats_of_rows(double top) { return 0.03 * std::max(0.0, top) + 6.0; }
-
 // ln of a rival's weight where levels of records chose: their evidence, the prior of a cause that nobody recorded, and what the rows within
 // the records say of the same cause.
 double log_weight_of_levels(const FamilyScore& chosen, const FamilyScore& rival, const SelectionRules& rules) {
   const auto shown = [&](const FamilyScore& f) { return f.records.within < rules.first_gain ? 0.0 : f.records.within; };
-  const double rows = (shown(rival) - shown(chosen)) / nats_of_rows(std::max(shown(rival), shown(chosen)));
+  const double rows = (shown(rival) - shown(chosen)) / nats_of_a_factor(std::max(shown(rival), shown(chosen)));
   return rival.records.gain + rival.records.prior - chosen.records.gain - chosen.records.prior + rows;
 }
 
@@ -40,7 +38,7 @@ void set_shares(const ResidualChannel& channel, const ScreenResult& result, std:
                 ChosenEffect& chosen) {
   const double top = chosen.gain;
   const FamilyScore& leader = result.families[place];
-  const double temperature = nats_of_rows(top);
+  const double temperature = nats_of_a_factor(top);
   double sum = 0.0;
   std::vector<double> weight(result.families.size(), 0.0);
   for (std::size_t k = 0; k < result.families.size(); ++k) {
@@ -86,7 +84,7 @@ void share_with_idle(const std::vector<ChosenEffect>& idle, Selection& selection
   for (ChosenEffect& chosen : selection.chosen) {
     for (const ChosenEffect& other : idle) {
       if (!chosen.between || !other.between || !look_alike(*other.kind, *chosen.kind)) continue;
-      const double temperature = chosen.by_records() ? 1.0 : nats_of_rows(std::max(chosen.gain, other.gain));
+      const double temperature = chosen.by_records() ? 1.0 : nats_of_a_factor(std::max(chosen.gain, other.gain));
       const double share = 1.0 / (1.0 + std::exp(std::clamp((chosen.gain - other.gain) / temperature, -200.0, 200.0)));
       chosen.share_of_family *= 1.0 - share;
       if (share > kTold) chosen.rivals.emplace_back(other.kind->name, share);

@@ -34,8 +34,6 @@ std::optional<RivalOdds> rival_odds(const Diagnosis& d, const std::string& first
   return RivalOdds{std::clamp(std::log(std::max(kLeast, a->probability) / std::max(kLeast, b->probability)), -kMost, kMost), true};
 }
 
-double nats_of_a_factor(double top) { return 0.03 * std::max(0.0, top) + 6.0; }
-
 std::optional<RivalOdds> rival_odds_as(bool stated, const Diagnosis& d, const std::string& first, const std::string& second) {
   std::optional<RivalOdds> out = rival_odds(d, first, second);
   if (!out || out->stated == stated) return out;

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "hil/diagnose/choose/probability.h"
 #include "hil/diagnose/diagnosis.h"
 
 namespace forcegate::diagnose {
@@ -16,10 +17,6 @@ struct RivalOdds {
 /// The ratio of the probabilities where both effects stand among the findings, or the answer would contradict itself; elsewhere the
 /// difference of their log evidence beside the base model. Nothing where both are claimed: such effects are no rivals.
 std::optional<RivalOdds> rival_odds(const Diagnosis& diagnosis, const std::string& first, const std::string& second);
-
-/// Nats of evidence within records that a factor e of probability takes, where the leader has `top` of it: such evidence hangs together
-/// (hil/diagnose/choose/shares.h).
-double nats_of_a_factor(double top);
 
 /// rival_odds of a later diagnosis by the measure of an earlier one: `stated` odds of probabilities, which are made of the evidence where the later one
 /// states none; else those of the evidence.

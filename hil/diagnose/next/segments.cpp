@@ -40,7 +40,7 @@ const std::vector<Segment>& segments() {
       {"small sine near zero", "sine", 1.0, false, {{"f_Hz", 0.5}}, [](double t, double lo, double hi) { return sine(t, 0.5, lo, lo + 0.15 * (hi - lo)); }, 0.0},
       {"heat at constant load", "rest", 15.0, false, {{"ramp_C", 10}}, [](double, double lo, double hi) { return 0.5 * (lo + hi); }, 10.0},
       {"repeat of the first ramp", "ramp", 2.0, false, {{"period_s", 60}}, [](double t, double lo, double hi) { return triangle(t, 60.0, lo, hi); }, 0.0},
-      {"sine, then a jump of frequency", "jump", 6.0, true, {{"f1_Hz", 0.5}, {"f2_Hz", 2}}, [](double t, double lo, double hi) { return sine(t, t < 180 ? 0.5 : 2.0, lo, hi); }, 0.0},
+      {"sine, then a jump of frequency", "jump", 6.0, true, {{"f1_Hz", 0.5}, {"f2_Hz", 2}}, [](double t, double lo, double hi) { return sine(t, t < 180 ? 0.5 : 2.0, lo, hi); }, 0.0, 180.0, std::log(4.0)},
   };
   return kSegments;
 }
@@ -97,6 +97,10 @@ RecordInput simulate(const Workspace& w, const Segment& s) {
   r.F_min_N = s.dynamic ? low : 0.0;
   r.f_Hz = s.dynamic ? 0.5 : 0.0;
   r.A_N = 0.5 * (high - low);
+  if (s.jump_log_ratio != 0.0) {
+    r.frequency_jumps_s = {s.jump_s};
+    r.jump_log_ratio = {s.jump_log_ratio};
+  }
   set_decay(r, w.law);
   return r;
 }

@@ -17,6 +17,7 @@ struct Segment {
   std::map<std::string, double> numbers;
   double (*force)(double t, double low, double high);  ///< N
   double temperature_C;  ///< ramp over the segment, when the rig can heat
+  double jump_s = 0.0, jump_log_ratio = 0.0;  ///< where the frequency of its cycles changes, ln(f2/f1); 0: nowhere
 };
 
 /// Twenty of them; each holds the base law down in its own way.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "hil/base/plain_number.h"
 #include "hil/base/quantile.h"
 #include "hil/diagnose/raw/held_codes.h"
 #include "hil/diagnose/raw/mains_line.h"
@@ -40,7 +41,7 @@ std::optional<HealthClaim> claim_of_hum(const std::vector<RecordHealth>& health,
         line_Hz.push_back(h.hum_Hz);
       }
     const double middle_V = quantile(amplitude_V, 0.5);
-    return HealthClaim{"hum", 0.95, "a line at " + std::to_string(quantile(line_Hz, 0.5)).substr(0, 5) + " Hz stands in the output and not in the force",
+    return HealthClaim{"hum", 0.95, "a line at " + plain_number(quantile(line_Hz, 0.5)) + " Hz stands in the output and not in the force",
                        "amplitude_V", scales.unit, middle_V, 0.1 * middle_V};
   }
   return std::nullopt;
@@ -121,7 +122,7 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
   }
   if (samples < 1.0) return out;
   if (are_steps_of_converter(health)) outliers = 0.0;
-  const auto percent = [](double share) { return std::to_string(100.0 * share).substr(0, 6) + " %"; };
+  const auto percent = [](double share) { return plain_number(100.0 * share) + " %"; };
   const std::size_t n = health.size();
   const bool many_records = n >= 3;
   const std::size_t several = std::min<std::size_t>(2, n);  // one recording has no second to bear it out

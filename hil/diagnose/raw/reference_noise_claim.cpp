@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/base/plain_number.h"
 #include "hil/base/quantile.h"
 
 namespace forcegate::diagnose {
@@ -43,8 +44,7 @@ std::optional<HealthClaim> claim_of_reference_noise(const std::vector<RecordHeal
   if (!(allowed > 0.0) || !scatters || !(found > kLeast * scales.range_N)) return std::nullopt;
   return HealthClaim{"reference_noise",
                      0.93,
-                     "the reference scatters by " + std::to_string(found).substr(0, 6) + " N where " +
-                         std::to_string(allowed).substr(0, 6) + " N are allowed",
+                     "the reference scatters by " + plain_number(found) + " N where " + plain_number(allowed) + " N are allowed",
                      "noise_N",
                      "N",
                      found,

@@ -118,7 +118,7 @@ class Fitter {
     return std::sqrt(sum / static_cast<double>(g.size()));
   }
 
-  // b and q by a quadratic through nine points around the present ones; the step shrinks when it does not help.
+  // b and q by a quadratic through points around the present ones; the step shrinks when it does not help.
   Result<BaseLaw> refine(BaseLaw law, const std::vector<Chosen>& effects, int rounds = kRounds) {
     if (!law.decays) return law;
     const auto at = [&](double b, double q) -> Result<double> {
@@ -315,7 +315,10 @@ Result<OneLawFit> fit_one_law(Campaign campaign, const Model& start, const IsUsa
       FORCEGATE_TRY(grams, fitter.grams(own, with));
       if (const double left_out_V = Fitter::left_out(grams); std::isfinite(left_out_V)) trials.push_back({left_out_V, std::move(with), own});
     }
-    if (trials.empty()) continue;
+    if (trials.empty()) {
+      out.notes.push_back(kind->name + " is left out: with one law for all records no form of it can be fitted");
+      continue;
+    }
     FORCEGATE_TRY(const Trial usable, best_usable(fitter, start, trials, is_usable));
     const Trial& best = trials.front();
     const bool worse = !usable.effects.empty() && usable.left_out_V > best.left_out_V;

@@ -4,7 +4,7 @@
 // gain and how much is fast creep) an exported compensator must decide. Here there are no such liberties, and no record before: a firmware
 // is switched on where a record begins:
 //
-//   U = g W(b, q) + o + g sum_j c_j s_j(W, F, history),   minimised over g, o, c (linear) and b, q (Gauss-Newton on the
+//   U = g W(b, q) + o + g sum_j c_j s_j(W, F, history),   minimised over g, o, c (linear) and b, q (Newton on the
 //   variable projection), every record weighing the same; for each effect the form and shape of its library entry that
 //   predicts left-out records best, of those that the caller can use. Strengths may have either sign: what counts here is the
 //   prediction, and which effect it is has been decided before. An equation of the user's own is fitted like a library entry: its

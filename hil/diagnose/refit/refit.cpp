@@ -5,6 +5,9 @@
 #include <cmath>
 #include <iterator>
 #include <optional>
+#include <utility>
+
+#include <fmt/format.h>
 
 #include "hil/base/text.h"
 #include "hil/diagnose/answer/shape_covariance.h"
@@ -220,10 +223,11 @@ HistoryStep step_of(const Refit& refit, const std::string& add, const std::strin
   return out;
 }
 
-void draw_waterfall(const ErrorsOfEffects& errors, const std::string& unit, Refit& out) {
+// `unit` is a copy: it may be that of `out`.
+void draw_waterfall(const ErrorsOfEffects& errors, std::string unit, Refit& out) {
   out.waterfall = waterfall_of(errors);
   out.waterfall.floor = out.floor;
-  out.waterfall.unit = unit;
+  out.waterfall.unit = std::move(unit);
 }
 
 // Errors of records that were left out, before (without what was added, or without all) and after.
@@ -330,16 +334,23 @@ namespace {
 
 Result<Refit> refit_rows(const CampaignRows& rows, const EngineOptions& options, const Model& start, const std::string& add) {
   constexpr int kMostTimes = 10;
+  bool still = false;
+  std::string why;
   FORCEGATE_TRY(const Fitted first, refit_prepared(rows, options, start, start, add, rows.judges));
   Fitted made = first;
   // without a decay too: spreads and shapes begin where the fit before ended
-  for (int time = 1; time < kMostTimes; ++time) {
+  for (int time = 1; time < kMostTimes && !still; ++time) {
     const Model at = made.refit.model;
     Result<Fitted> next = refit_prepared(rows, options_at(options, at), start, at, add, first.refit.judged_by);
-    if (!next) break;
+    if (!next) {
+      why = fmt::format(" ({})", next.error().text);
+      break;
+    }
     made = *std::move(next);
-    if (stands_still(at, made.refit.model)) break;
+    still = stands_still(at, made.refit.model);
   }
+  if (!still)
+    made.refit.notes.push_back(fmt::format("the fit does not stand still: one more from where it ended would move its parameters{}", why));
   if (!add.empty()) {
     take_before(first, add, made);
   } else if (!made.refit.levels && !made.errors.effects.empty()) {

@@ -128,7 +128,10 @@ Result<CTerm> curve(const ModelEffect& e, const CTermContext& x) {
   const double direct = e.form.ends_with("_lag") ? low_pass_weights(shape_of(e, 0), x.rate_Hz).to_new : 1.0;
   for (int k = 0; k < 200; ++k) {
     const double F = x.lowest_N + 1.2 * R * (k + 0.5) / 200.0, step = 1e-4 * R;
-    t.slope_min = std::min(t.slope_min, direct * (h(F + step) - h(F - step)) / (2.0 * step));
+    const double slope = direct * (h(F + step) - h(F - step)) / (2.0 * step);
+    if (slope >= t.slope_min) continue;
+    t.slope_min = slope;
+    t.falls = fmt::format("at about {:.2g} N the output hardly changes with the force, or falls", F);
   }
   return t;
 }
@@ -179,6 +182,7 @@ Result<CTerm> dead_zone(const ModelEffect& e, const CTermContext& x) {
   t.value = curve_value(e.form, id);
   // no form falls faster than -c where it closes; of one that opens (c < 0) only `closing` has a slope that turns round: c/8 at sqrt(3) F0
   constexpr double kBehindTheOpening = 0.125;
+  if (c > 0.0) t.falls = fmt::format("below about {:.2g} N the output hardly changes with the force", F0);
   t.slope_min = c > 0.0 ? -c : e.form == "closing" ? kBehindTheOpening * c : 0.0;
   return t;
 }

@@ -5,6 +5,7 @@
 #include "hil/diagnose/answer/load_direction.h"
 #include "hil/diagnose/answer/residual_map.h"
 #include "hil/diagnose/base_errors.h"
+#include "hil/diagnose/choose/reference_latency.h"
 #include "tests/unit/diagnose/made_campaign.h"
 
 namespace forcegate::diagnose {
@@ -53,6 +54,20 @@ Fitted fitted(const std::vector<std::string>& in_model) {
   out.fit = base_model(*out.w, options, notes);
   EXPECT_TRUE(out.fit.valid);
   return out;
+}
+
+// What a late reference left was taken off the output: it is no part of what the model leaves.
+TEST(RecordCourse, DoesNotBringBackWhatWasTakenOffTheOutput) {
+  Fitted f = fitted({});
+  const Candidate& lead = *std::ranges::find(f.w->output.candidates, "delay", [](const Candidate& c) { return c.kind->name; });
+  Eigen::VectorXd strength = Eigen::VectorXd::Zero(lead.first + 1);  // the channel is wider
+  strength[lead.first] = 0.5;
+  take_off_output(f.w->output, strength);
+  const auto expected = residual_rows(f.w->output, f.fit);
+  const auto got = residual_on_rows(*f.w, f.fit, 3, f.w->output.rows[3].row);
+  for (std::size_t j = 0; j < got.size(); ++j) ASSERT_NEAR(got[j], expected[3][j], 1e-9) << j;
+  take_off_output(f.w->output, -strength);
+  EXPECT_EQ(f.w->output.taken_off, 0.0 * strength);
 }
 
 TEST(RecordCourse, OnTheRowsOfTheFitIsTheResidualOfTheFit) {

@@ -60,6 +60,21 @@ TEST(GainOfRecord, MultipliesWhatAnEffectAdds) {
   for (std::size_t k = 0; k < kRecords; ++k) EXPECT_NEAR(fit.gain[k] + fit.coefficient[0], 1.0 + m.gain[k], 0.002) << k;
 }
 
+// One round has no second chance to find what a unit of gain adds to the strengths.
+TEST(GainOfRecord, IsThatOfAFitOfTheWholeProblemInOneOfSomeColumns) {
+  const Made m = make(GrowsWithGain::with_it, 0.1);
+  const MixedFit whole = fit_of(m.channel.problem, {kEffect, kCause});
+  const std::vector<int> turned = {kCause, kEffect};
+  const MixedProblem some = with_columns(m.channel.problem, turned);
+  const MixedFit start = with_columns(whole, turned);
+  const MixedFit one = fit_mixed(some, {0, 1}, &start, 1, RecordUse::all_records);
+  ASSERT_TRUE(one.valid);
+  const MixedFit of_whole = fit_mixed(m.channel.problem, turned, &whole, 1, RecordUse::all_records);
+  EXPECT_NEAR(one.per_gain[2], of_whole.per_gain[2], 1e-9);
+  EXPECT_NEAR(one.per_gain[3], of_whole.per_gain[3], 1e-9);
+  EXPECT_GT(std::abs(one.per_gain[2] - one.per_gain[3]), 0.01);
+}
+
 TEST(GainOfRecord, DoesNotMultiplyWhatStandsByItself) {
   const Made grows = make(GrowsWithGain::never, 0.0), stands = make(GrowsWithGain::never, 0.0, false);
   EXPECT_GT(mean_left_out(grows.channel.problem, fit_of(grows.channel.problem, {kEffect})), 5.0 * kNoise);
