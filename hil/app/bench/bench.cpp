@@ -70,6 +70,8 @@ std::vector<BenchRow> list_benches(const std::vector<fs::path>& files) {
     auto bench = read_bench(file);
     if (bench)
       if (auto checked = check_devices(*bench); !checked) bench = Unexpected(checked.error());
+    if (bench && bench->twins)
+      if (auto twins = emulated::read_twin_options(bench->root); !twins) bench = Unexpected(twins.error());
     if (bench) {
       row.name = bench->name;
       row.id = bench->id;
