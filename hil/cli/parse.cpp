@@ -180,9 +180,16 @@ class Reader {
     if (!option->value_name.empty())
       line_.error = check_choice(value, "--" + option->name, option->choices, option->only_choices, where());
     if (own)
-      line_.values.emplace_back(option->name, value);
+      take_own(*option, value);
     else
       take_global(*option, value);
+  }
+
+  // The first of two files would be left unread without a word.
+  void take_own(const Option& option, const std::string& value) {
+    if (!option.value_name.empty() && !option.repeatable && given(option.name) && !line_.error)
+      line_.error = usage_error(fmt::format("--{} is given twice", option.name), where(), "give it once");
+    line_.values.emplace_back(option.name, value);
   }
 
   void take_global(const Option& option, const std::string& value) {
@@ -194,11 +201,11 @@ class Reader {
                                                : ConsoleOptions::Color::automatic;
   }
 
+  bool given(const std::string& name) const {
+    return std::any_of(line_.values.begin(), line_.values.end(), [&](const auto& v) { return v.first == name; });
+  }
+
   void check_required() {
-    const auto given = [&](const std::string& name) {
-      return std::any_of(line_.values.begin(), line_.values.end(),
-                         [&](const auto& v) { return v.first == name; });
-    };
     for (const Positional& p : line_.command->positionals)
       if (p.required && !given(p.name)) {
         line_.error = usage_error(fmt::format("{} is missing", p.name), where(), p.doc);

@@ -29,7 +29,8 @@ struct ParsedLine {
 bool in_family(std::string_view name, std::string_view family);
 
 /// `arguments` without the program's name. Never touches files. `--name value`, `--name=value`, `-o value`; "--" ends
-/// the options; an option takes the next argument whatever it looks like. Last value wins unless repeatable.
+/// the options; an option takes the next argument whatever it looks like. A verb's option with a value is given once
+/// unless it is repeatable; flags and global options may come again.
 ParsedLine parse_command_line(std::span<const std::string> arguments, const std::vector<Command>& table);
 
 }  // namespace forcegate

@@ -37,19 +37,42 @@ Result<std::unique_ptr<BenchSession>> BenchSession::make(BenchFile bench,
   return s;
 }
 
+Result<void> BenchSession::take_lease() {
+  // Twins that this process has started for itself are nobody else's.
+  if (lease_.held() || (bench_.twins && !options_.contains("attach"))) return {};
+  const auto purpose = options_.find("purpose");
+  FORCEGATE_TRY(lease_, Lease::take(bench_.id, purpose != options_.end() ? purpose->second : "forcegate"));
+  return {};
+}
+
+template <class Device>
+Result<void> BenchSession::open_device(const std::string& name, Device& device) {
+  auto opened = device.open();
+  if (!opened) {
+    Error error = opened.error();  // what opens a port does not know whose it is
+    if (!error.where.starts_with(name)) error.where = name + (error.where.empty() ? "" : ": ") + error.where;
+    return Unexpected(std::move(error));
+  }
+  identity_[name] = std::move(*opened);
+  return {};
+}
+
 Result<void> BenchSession::open() {
   if (open_) return {};
-  // Twins that this process has started for itself are nobody else's.
-  if (!lease_.held() && (!bench_.twins || options_.contains("attach"))) {
-    const auto purpose = options_.find("purpose");
-    FORCEGATE_TRY(lease_, Lease::take(bench_.id, purpose != options_.end() ? purpose->second : "forcegate"));
-  }
-  FORCEGATE_TRY(identity_["reference"], reference_->open());
-  FORCEGATE_TRY(identity_["board"], board_->open());
-  FORCEGATE_TRY(identity_["motor"], motor_->open());
+  FORCEGATE_CHECK_OK(take_lease());
+  FORCEGATE_CHECK_OK(open_device("reference", *reference_));
+  FORCEGATE_CHECK_OK(open_device("board", *board_));
+  FORCEGATE_CHECK_OK(open_device("motor", *motor_));
   open_ = true;
   ticks_.clear();
   return {};
+}
+
+Result<BenchSession::Opened> BenchSession::open_each() {
+  FORCEGATE_CHECK_OK(take_lease());
+  Opened each{open_device("reference", *reference_), open_device("board", *board_), open_device("motor", *motor_)};
+  open_ = each.reference && each.board && each.motor;
+  return each;
 }
 
 Result<void> BenchSession::start_guard() {

@@ -23,6 +23,11 @@ class BenchSession {
 
   /// Takes the lease of the bench, then opens all three instruments, the motor last. Idempotent.
   Result<void> open();
+  struct Opened {
+    Result<void> reference, board, motor;
+  };
+  /// The same, each by itself whatever the others say. Errors: the bench is held by another.
+  Result<Opened> open_each();
   /// Starts the guard and arms the drive. ErrorCode::safety on a real bench without the option arm.
   Result<void> arm();
   bool armed() const { return armed_; }
@@ -50,6 +55,9 @@ class BenchSession {
  private:
   BenchSession(BenchFile bench, std::map<std::string, std::string> options);
   Result<void> start_guard();
+  Result<void> take_lease();
+  template <class Device>
+  Result<void> open_device(const std::string& name, Device& device);
 
   BenchFile bench_;
   std::map<std::string, std::string> options_;

@@ -77,12 +77,26 @@ std::optional<NamedColumn> split_bracket(std::string_view header) {
   return NamedColumn{identifier(header.substr(0, open)), *unit};
 }
 
+/// "Temperature °C": only where the name before the blank has that quantity, for a last word may be part of a name.
+std::optional<NamedColumn> split_last_word(std::string_view header) {
+  header = trim(header);
+  const std::size_t at = header.rfind(' ');
+  if (at == std::string_view::npos) return std::nullopt;
+  const auto unit = find_unit(header.substr(at + 1));
+  const std::string name = identifier(header.substr(0, at));
+  if (!unit) return std::nullopt;
+  const KnownChannel* known = synonym(name);
+  const bool goes = unit->quantity == "time" ? names_a_clock(name) : known != nullptr && known->quantity == unit->quantity;
+  return goes ? std::optional(NamedColumn{name, *unit}) : std::nullopt;
+}
+
 }  // namespace
 
 ColumnMeaning meaning_of(std::string_view header) {
   ColumnMeaning out;
   auto named = split_bracket(header);
   if (!named) named = split_unit_suffix(trim(header));
+  if (!named) named = split_last_word(header);
   if (!named || named->unit.quantity != "time")
     if (auto clock = clock_in_capitals(header)) named = std::move(clock);
   if (named) {

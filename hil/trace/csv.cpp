@@ -124,10 +124,10 @@ std::size_t find_clock(const CsvTable& table, const std::vector<ColumnMeaning>& 
   return only;
 }
 
-std::vector<std::string> unused_dates(const CsvTable& table, const CsvOptions& options, TraceFile& out) {
+std::vector<std::string> unused_texts(const CsvTable& table, const CsvOptions& options, TraceFile& out) {
   std::vector<std::string> headers;
   for (const TextColumn& column : table.text_columns)
-    if (const auto mapped = options.column_map.find(column.header); !column.day_s.empty() && mapped != options.column_map.end() && mapped->second == "unused") {
+    if (const auto mapped = options.column_map.find(column.header); mapped != options.column_map.end() && mapped->second == "unused") {
       headers.push_back(column.header);
       out.mapped.push_back(column.header);
     }
@@ -198,7 +198,7 @@ Result<TraceFile> trace_of_table(CsvTable table, const std::string& where, const
   out.header_line = table.header_line;
   std::vector<ColumnMeaning> meanings = meanings_of(table, options, out);
   const std::size_t clock_column = find_clock(table, meanings, options, out.notes);
-  add_dates(table.text_columns, clock_column < table.columns.size() ? &table.columns[clock_column] : nullptr, unused_dates(table, options, out), out.notes);
+  add_dates(table.text_columns, clock_column < table.columns.size() ? &table.columns[clock_column] : nullptr, unused_texts(table, options, out), out.notes);
   FORCEGATE_CHECK_OK(check_text_columns(table, where, options));
   FORCEGATE_CHECK_OK(settle_unit_of_clock(table, clock_column, meanings, where, options, out.notes));
   if (clock_column < table.columns.size() && count_on(table.columns[clock_column].value))

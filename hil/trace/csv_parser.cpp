@@ -109,10 +109,7 @@ Result<CsvTable> CsvParser::finish() {
                            (repeats_ > 1 ? " and " + std::to_string(repeats_ - 1) + " more" : "") + ", as where a logger was started anew; skipped");
   for (std::size_t c = 0; c < is_text_.size(); ++c)
     if (is_text_[c]) {
-      if (is_day_[c])
-        text_[c].day_s = std::move(table_.columns[c].value);
-      else
-        table_.notes.push_back("column " + in_quotes(table_.columns[c].header) + " holds text and was left out");
+      if (is_day_[c]) text_[c].day_s = std::move(table_.columns[c].value);
       table_.text_columns.push_back(std::move(text_[c]));
     }
   constexpr double kMostShort = 0.02;  // of the rows

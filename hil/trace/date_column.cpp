@@ -49,9 +49,7 @@ void add_dates(std::vector<TextColumn>& text_columns, CsvColumn* clock, const st
     for (const TextColumn& column : text_columns)
       if (column.hint.starts_with(kWhichIsTheMonth)) notes.push_back("column \"" + column.header + "\" is no part of the clock: " + column.hint);
   std::erase_if(text_columns, [&](const TextColumn& column) {
-    if (column.day_s.empty()) return false;
-    if (column.header == taken) return true;
-    if (std::ranges::find(unused, column.header) != unused.end()) return true;
+    if (column.header == taken || std::ranges::find(unused, column.header) != unused.end()) return true;
     notes.push_back("column \"" + column.header + "\" holds text and was left out");
     return false;
   });

@@ -111,6 +111,13 @@ TEST_F(Gate, LimitsOfABenchsOwnRecordingsJudgeItsNextRecording) {
   ASSERT_FALSE(rows.is_discarded()) << derived.out;
   ASSERT_EQ(rows["limits"].size(), 2u);
   for (const Json& row : rows["limits"]) EXPECT_EQ(row["n"], 5);
+  EXPECT_TRUE(rows["notes"].empty()) << rows["notes"];
+  std::vector<std::string> bad = derive;
+  bad[1] = kOff, bad[5] = folder / "bad.toml";
+  const Json told = Json::parse(forcegate(bad, kHere).out, nullptr, false)["notes"];
+  ASSERT_EQ(told.size(), 1u) << told;
+  EXPECT_THAT(told[0].get<std::string>(), HasSubstr("fails the check conformance in 5 of 5 records"));
+  EXPECT_THAT(read_text(folder / "bad.toml"), ::testing::StartsWith("# note: the build fails the check conformance"));
   const auto judge = [&](const std::string& image) {
     return gate({image, "--record", files[5], "--cal", cal, "--limits", limits, "-o", folder / "run"});
   };

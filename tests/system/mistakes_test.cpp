@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <map>
+#include <nlohmann/json.hpp>
+
 #include "tests/support/process.h"
 
 namespace forcegate::test {
@@ -10,6 +13,7 @@ namespace {
 
 using ::testing::AnyOf;
 using ::testing::HasSubstr;
+using Json = nlohmann::json;
 
 constexpr const char* kNative = FORCEGATE_BINARY_DIR "/firmware/reference.native.so";
 const ProcessOptions kHere{.folder = FORCEGATE_SOURCE_DIR, .timeout = std::chrono::minutes(2)};
@@ -146,10 +150,48 @@ TEST(Mistakes, InTheDeviceOfAWireFaultAreNoFaultThatWasSurvived) {
   }
 }
 
+TEST(Mistakes, InTheTimeOfAWireFaultAreNoFaultThatWasSurvived) {
+  TemporaryFolder folder;
+  const std::string bench = read_text(std::string(FORCEGATE_SOURCE_DIR) + "/rigs/twin.toml"), file = folder / "bench.toml";
+  const auto with = [&](const std::string& when) { write_text(file, bench + "\n[[twins.fault]]\ndevice = \"board\"\nkind = \"drop\"\n" + when); };
+  const auto gated = [&] {
+    const ProcessResult r = forcegate({"gate", kNative, "--rig", file, "--plan", "twin", "--calibration", "nominal", "-o", folder / "run"}, kHere);
+    EXPECT_EQ(r.exit_code, 2) << r.out << r.err;
+    return r.err;
+  };
+  for (const auto& [when, told] : {std::pair{"at_s = -5\n", "at_s"}, {"at_s = 10\nfor_s = 1\ncount = 3\n", "for_s and count are given together"}}) {
+    with(when);
+    EXPECT_THAT(gated(), HasSubstr(told));
+    const ProcessResult listed = forcegate({"bench", "list", file}, kHere);
+    EXPECT_EQ(listed.exit_code, 2) << when << listed.out;
+    EXPECT_THAT(listed.out, HasSubstr(told));
+  }
+  with("at_s = 99999\n");
+  EXPECT_THAT(gated(), ::testing::AllOf(HasSubstr("begins at 99999 s"), HasSubstr("bench.toml:")));
+  EXPECT_EQ(forcegate({"bench", "list", file}, kHere).exit_code, 0);
+}
+
 TEST(Mistakes, InAPortAreToldWithThePort) {
   const ProcessResult r = forcegate({"bench", "doctor", "rigs/lab_small.toml"}, kHere);
   EXPECT_NE(r.exit_code, 0) << r.out << r.err;
   EXPECT_THAT(r.out + r.err, HasSubstr("cannot open the serial port /dev/"));
+}
+
+TEST(Mistakes, OfOneInstrumentDoNotHideTheOthers) {
+  const ProcessResult r = forcegate({"bench", "doctor", "rigs/lab_small.toml", "--json"}, kHere);
+  EXPECT_EQ(r.exit_code, 4) << r.out << r.err;
+  const Json document = Json::parse(r.out);
+  std::map<std::string, std::string> found;
+  for (const Json& item : document["items"])
+    if (item["good"] == false) found[item["name"].get<std::string>()] = item["found"].get<std::string>();
+  ASSERT_EQ(found.size(), 3U) << r.out;
+  EXPECT_THAT(found["reference"], HasSubstr("UART_ATI"));
+  EXPECT_THAT(found["board"], HasSubstr("Arduino_Due"));
+  EXPECT_THAT(found["motor"], HasSubstr("UART_DRIVE"));
+  TemporaryFolder folder;
+  const ProcessResult gate = forcegate({"gate", kNative, "--rig", "rigs/lab_small.toml", "--arm", "-o", folder / "run"}, kHere);
+  EXPECT_EQ(gate.exit_code, 4) << gate.out << gate.err;
+  EXPECT_THAT(gate.out, HasSubstr("to act: the ATI reference"));
 }
 
 TEST(Mistakes, InAFileNameThePageThatListsItsKeys) {
@@ -288,6 +330,20 @@ TEST(Mistakes, AreToldWithTheirPlaceAndALineOfHelp) {
     EXPECT_THAT(r.err, HasSubstr("\n  where: ")) << line;
     EXPECT_THAT(r.err.substr(std::min(r.err.size(), r.err.find("where:"))), HasSubstr(place)) << line;
     EXPECT_THAT(r.err, HasSubstr("\n  help: ")) << line;
+  }
+}
+
+TEST(Mistakes, OfARecordingThatIsGivenTwiceAreNotJudgedByTheLast) {
+  const ProcessResult r = forcegate({"gate", kNative, "--record", "nowhere.csv", "--record", "k.csv"}, kHere);
+  EXPECT_EQ(r.exit_code, 2) << r.out;
+  EXPECT_THAT(r.err, HasSubstr("--record is given twice\n  where: forcegate gate\n  help: give it once"));
+}
+
+TEST(Mistakes, InTheWordThatExplainIsAskedAreToldAlsoWhereThereIsNone) {
+  for (const char* nothing : {"", " "}) {
+    const ProcessResult r = forcegate({"explain", nothing}, kHere);
+    EXPECT_EQ(r.exit_code, 2) << r.out;
+    EXPECT_THAT(r.err, HasSubstr("TERM is empty"));
   }
 }
 

@@ -97,6 +97,12 @@ TEST_F(PastedLines, ARecordingIsDiagnosedWhereItsColumnsAreKnown) {
   EXPECT_EQ(pasted(next("forcegate convert 'a run.csv' other.csv --map load_N=p_N --map volts_V=q_V"), folder).exit_code, 0);
 }
 
+TEST_F(PastedLines, ThePlanOfARecordingLeadsToOne) {
+  const ProcessResult r = pasted("forcegate plan replay", folder);
+  EXPECT_EQ(next_of(r), "judge a recording of yours with it: forcegate gate " + native_ + " --record FILE");
+  EXPECT_THAT(r.out, Not(HasSubstr("no specimen")));
+}
+
 TEST_F(PastedLines, AStoredRunIsCheckedAndItsPageMade) {
   ASSERT_EQ(pasted("forcegate gate " + native_ + " --plan selfcheck -o 'my run'", folder).exit_code, 0);
   const std::string line = next("forcegate check 'my run'");

@@ -64,6 +64,16 @@ TEST_F(Trust, the_accepted_build_is_no_worse_than_itself) {
   EXPECT_EQ(values.exit_code, 0) << values.out << values.err;
 }
 
+TEST_F(Trust, an_accepted_run_that_is_none_is_told) {
+  const std::string rejected = gated(kOff, "rejected"), accepted = gated(kGood, "accepted");
+  const auto notes_beside = [&](const std::string& run) {
+    gated(kGood, "new", {"--accepted", run});
+    return Json::parse(read_text(folder / "new/result.json"))["notes"].dump();
+  };
+  EXPECT_THAT(notes_beside(rejected), HasSubstr("which its own gate did not accept: REJECT"));
+  EXPECT_THAT(notes_beside(accepted), testing::AllOf(HasSubstr("accepted build: "), testing::Not(HasSubstr("did not accept"))));
+}
+
 TEST_F(Trust, a_rejected_run_is_measured_again_from_the_samples_it_kept) {
   const std::string stored = gated(kOff, "run");
   const ProcessResult r = run({"check", stored});

@@ -70,6 +70,8 @@ std::vector<BenchRow> list_benches(const std::vector<fs::path>& files) {
     auto bench = read_bench(file);
     if (bench)
       if (auto checked = check_devices(*bench); !checked) bench = Unexpected(checked.error());
+    if (bench && bench->twins)
+      if (auto twins = emulated::read_twin_options(bench->root); !twins) bench = Unexpected(twins.error());
     if (bench) {
       row.name = bench->name;
       row.id = bench->id;
@@ -100,25 +102,26 @@ Result<std::vector<BenchItem>> examine_bench(const fs::path& file,
     items.push_back(opened ? BenchItem{device, std::move(found), "", true}
                            : BenchItem{device, opened.error().text, opened.error().hint, false});
   };
-  const auto opened = s->open();
-  const auto details = s->details();
-  if (!opened) {
-    const std::string at = opened.error().where;
-    const char* device = at.starts_with("reference") ? "reference"
-                         : at.starts_with("board")   ? "board"
-                                                     : "motor";
-    add(device, opened, {});
+  const auto each = s->open_each();
+  if (!each) {
+    add("bench", Unexpected(each.error()), {});
     return items;
   }
+  const auto details = s->details();
   BenchWorld& world = s->world();
   // One tenth of a second of both streams.
   std::vector<ReferenceReading> readings;
   std::vector<BoardSample> samples;
   // Each by itself: what one says wrong is not the silence of the other.
-  Result<void> reference = s->reference().start(), board = s->board().start();
+  Result<void> reference = each->reference, board = each->board;
+  if (reference) reference = s->reference().start();
+  if (board) board = s->board().start();
   const double from_s = world.now_s();
   for (int i = 0; i < 10 && (reference || board); ++i) {
-    if (auto moved = world.advance_to(world.now_s() + kLookPeriod_s); !moved) reference = board = moved;
+    if (auto moved = world.advance_to(world.now_s() + kLookPeriod_s); !moved) {
+      if (reference) reference = moved;
+      if (board) board = moved;
+    }
     if (reference) reference = s->reference().poll(readings);
     if (board) board = s->board().poll(samples);
   }
@@ -135,7 +138,9 @@ Result<std::vector<BenchItem>> examine_bench(const fs::path& file,
       samples.empty() ? ""
                       : fmt::format("{}: code {}, {} samples in {:.2g} s", who(details, "board"),
                                     samples.back().adc, samples.size(), took_s));
-  const auto state = s->motor().read();
+  if (reference) (void)s->reference().stop();
+  if (board) (void)s->board().stop();
+  const auto state = each->motor ? s->motor().read() : Result<MotorState>(Unexpected(each->motor.error()));
   add("motor", state ? Result<void>{} : Result<void>(Unexpected(state.error())),
       state ? fmt::format("{}: {:.3f} rad, {}, stops by itself after {:.0f} ms", who(details, "motor"),
                           state->theta_rad,

@@ -67,7 +67,12 @@ Result<AcceptedBuild> open_accepted(const GateRequest& request, const RunResult&
 }
 
 std::string accepted_note(const AcceptedBuild& build) {
-  return "accepted build: " + build.path + " (sha256 " + build.sha256.substr(0, 12) + ")";
+  std::string out = "accepted build: " + build.path + " (sha256 " + build.sha256.substr(0, 12) + ")";
+  const Decision& own = build.run.decision;
+  if (build.stored && own.kind != DecisionKind::accept)
+    out += ", which its own gate did not accept: " + std::string(to_string(own.kind)) + (own.reason.empty() ? "" : ", " + own.reason) +
+           ". To be no worse than it is no merit";
+  return out;
 }
 
 CaseJob accepted_job(const CaseJob& job, const AcceptedBuild& build) {

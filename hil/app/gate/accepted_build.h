@@ -27,7 +27,7 @@ Result<AcceptedBuild> open_accepted(const GateRequest& request, const RunResult&
 /// Lane for the accepted image: that of the candidate where it accepts it, else the first that does.
 std::string accepted_lane(const std::string& own, const AcceptedBuild& build);
 
-/// For the notes of a result.
+/// For the notes of a result; of a stored run that is no ACCEPT, that too.
 std::string accepted_note(const AcceptedBuild& build);
 
 /// The same record for the accepted image.

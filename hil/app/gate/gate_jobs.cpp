@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "hil/app/files/find_plan.h"
+#include "hil/app/gate/wire_faults.h"
 #include "hil/base/digest.h"
 #include "hil/base/rng.h"
 #include "hil/base/text.h"
@@ -228,6 +229,7 @@ Result<GateSetup> prepare_gate(GateRequest& request) {
     for (const std::string& specimen : specimens_of(plan, c))
       if (std::find(setup.specimens.begin(), setup.specimens.end(), specimen) == setup.specimens.end())
         setup.specimens.push_back(specimen);
+  FORCEGATE_CHECK_OK(check_wire_faults(request, setup.plan, calibrates(request, setup)));
   if (auto known = check_board_faults(request.faults); !known)
     return fail(ErrorCode::usage, known.error().text, known.error().where, known.error().hint);
   // Unknown faults and specimens are mistakes of the request, not of the rig: the rig itself is asked.

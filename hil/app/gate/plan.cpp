@@ -20,6 +20,8 @@ namespace {
 constexpr double kWeightSample_s =
     35e-9;  // measured: capacitance-gate, 10.6 million samples with training in 0.38 s
 
+constexpr const char* kRecorded = "recorded";  // the specimen of a recording
+
 double duration_s(const StimulusSpec& spec) {
   const auto made = make_stimulus(spec);
   return made ? (*made)->duration_s() : 0.0;
@@ -57,6 +59,7 @@ Result<std::vector<std::string>> remarks_on(const Plan& plan) {
     if (dynamic && c.checks & kCheckAccuracy && (*made)->duration_s() <= (*made)->facts().excitation_start_s + plan.limits.learning_s)
       out.push_back(fmt::format("case {} ends within the start window of {:.4g} s: no extremum of it is judged", c.name, plan.limits.learning_s));
   }
+  if (specimens == std::set<std::string>{kRecorded}) specimens.clear();  // never played on a rig
   for (const std::string& specimen : specimens) {
     RigRecordRequest probe;
     probe.specimen = specimen;
@@ -100,6 +103,7 @@ PlanEstimate estimate_plan(const Plan& plan, double rate_Hz, double ns_per_sampl
     record_s += duration_s(cal.identification->stimulus);
     rest_s += cal.rest_s;
   }
+  e.replays = specimens.size() == 1 && specimens.contains(kRecorded);
   const double n = static_cast<double>(specimens.size());
   e.calibration_bench_s = n * (record_s + rest_s);
   e.rig_s += n * record_s;

@@ -20,6 +20,7 @@ struct PlanEstimate {
   std::string name, doc, sha256, calibration, rule_name, rule;
   int looks = 1;
   bool weights = false;  ///< a plan of kind capacitance-gate
+  bool replays = false;  ///< its cases are a recording, which no rig makes
   std::vector<PlanEstimateRow> cases;
   std::vector<std::string> remarks;  ///< what a gate would stumble over although the file is right
   std::size_t records = 0;

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "hil/app/files/find_plan.h"
 #include "hil/base/digest.h"
+#include "hil/base/text.h"
 #include "hil/gate/statistics.h"
 
 namespace forcegate {
@@ -65,14 +67,18 @@ class Derivation {
     return {};
   }
 
-  DerivedLimits limits() {
+  MadeLimits limits() {
     for (const auto& [key, list] : values_) {
       // Few recordings of one specimen repeat better than one of them is known: a good one must pass by U = 2 u.
       const double sd = limits_.rig.starts_with("replay") ? moments(list).sd + moments(u_[key]).mean
                                                           : std::max(moments(list).sd, moments(u_[key]).mean);
       limits_.by_case_and_check[key] = derive_limit(list, sd, units_[key]);
     }
-    return std::move(limits_);
+    MadeLimits made{std::move(limits_), {}};
+    for (const auto& [check, failed] : failed_)
+      made.notes.push_back(fmt::format("the build fails the check {} in {} of {} records ({}): these are no limits of a known-good build (forcegate gate shows it)",
+                                       check, failed.records, records_, printable_utf8(failed.evidence)));
+    return made;
   }
 
  private:
@@ -116,7 +122,10 @@ class Derivation {
         std::any_of(c.checks.begin(), c.checks.end(), [](const Check& check) {
           return check.id == "accuracy_minima" && check.evidence.find("mae_minima") != std::string::npos;
         });
+    ++records_;
     for (const Check& check : c.checks) {
+      if (check.verdict == Verdict::fail && check.required && !is_error(check.id))
+        if (++failed_[check.id].records == 1) failed_[check.id].evidence = check.evidence;
       if (check.id == "rig_calibration_fits" && check.verdict != Verdict::pass)
         return fail(ErrorCode::config, "the calibration does not fit the record: " + check.evidence, where, "give that of the specimen (--cal FILE)");
       if (check.id != "mre_maxima" && check.id != (absolute_minima ? "mae_minima" : "mre_minima")) continue;
@@ -129,6 +138,15 @@ class Derivation {
     return {};
   }
 
+  // What the derived limits are made for.
+  static bool is_error(const std::string& id) { return id.starts_with("mre_") || id.starts_with("mae_") || id.starts_with("accuracy_"); }
+
+  struct Failed {
+    std::size_t records = 0;
+    std::string evidence;  ///< of the first
+  };
+  std::size_t records_ = 0;
+  std::map<std::string, Failed> failed_;
   std::map<std::pair<std::string, std::string>, std::vector<double>> values_, u_;
   std::map<std::pair<std::string, std::string>, std::string> units_;
   DerivedLimits limits_;
@@ -136,12 +154,24 @@ class Derivation {
 
 }  // namespace
 
-Result<DerivedLimits> derive_limits(const LimitsRequest& request, const GateProgress& progress,
-                                    const std::atomic<bool>* cancelled) {
+Result<MadeLimits> derive_limits(const LimitsRequest& request, const GateProgress& progress,
+                                 const std::atomic<bool>* cancelled) {
   Derivation derivation(request.date);
   FORCEGATE_CHECK_OK(request.records.empty() ? derivation.from_rig(request, progress, cancelled)
                                              : derivation.from_recordings(request, progress, cancelled));
   return derivation.limits();
+}
+
+std::string made_limits_text(const MadeLimits& made) {
+  std::string out;
+  for (const std::string& note : made.notes) out += "# note: " + note + "\n";
+  return out + write_limits(made.limits);
+}
+
+std::string made_limits_json(const MadeLimits& made) {
+  auto out = nlohmann::ordered_json::parse(limits_json(made.limits));
+  out["notes"] = made.notes;
+  return out.dump(2);
 }
 
 bool takes_derived_limits(const std::string& name) {

@@ -18,12 +18,23 @@ struct LimitsRequest {
   std::string date;  ///< "2026-11-21", for the file
 };
 
+struct MadeLimits {
+  DerivedLimits limits;
+  std::vector<std::string> notes;  ///< why they may be no limits of a good build
+};
+
 /// derive_limit() of the judged errors of every open-loop case with the check `accuracy`. With recordings (at least
 /// 5 of one profile on one bench: its repeatability run) each of them gives one value, under the case name
 /// `recording` of the plan `replay`. Errors: those of gate(); config when a record gave no value (the file would
 /// claim too much).
-Result<DerivedLimits> derive_limits(const LimitsRequest& request, const GateProgress& progress = {},
-                                    const std::atomic<bool>* cancelled = nullptr);
+/// A build that fails a check which no derived limit decides is noted: its errors are those of no known-good one.
+Result<MadeLimits> derive_limits(const LimitsRequest& request, const GateProgress& progress = {},
+                                 const std::atomic<bool>* cancelled = nullptr);
+
+/// The text of the file, notes as comments above it.
+std::string made_limits_text(const MadeLimits& made);
+/// The same for programs.
+std::string made_limits_json(const MadeLimits& made);
 
 /// Whether a plan of that name names a file of derived limits, which `forcegate bless` writes.
 bool takes_derived_limits(const std::string& plan);

@@ -110,7 +110,8 @@ Result<RunDiff> diff_runs(const std::filesystem::path& a, const std::filesystem:
                      second.value - first->value,
                      std::hypot(first->u, second.u),
                      first->verdict,
-                     second.verdict};
+                     second.verdict,
+                     second.limit.kind != Limit::Kind::none};
       if (is_error(id) && !case_id.empty() && std::isfinite(one.delta)) {
         deltas[id].first = first->unit;
         deltas[id].second.push_back(one.delta);
@@ -157,7 +158,8 @@ std::string diff_text(const RunDiff& d) {
     const CheckDelta& c = d.checks[i];
     out += fmt::format("  {:<32}{:<20}{:>11} -> {:<11} {} {} ({}){}\n", c.case_id.empty() ? "run" : c.case_id,
                        c.check_id, number(c.a), number(c.b),
-                       std::isfinite(c.delta) ? with_uncertainty(c.delta, c.u) : "-", c.unit, to_string(c.verdict_b),
+                       std::isfinite(c.delta) ? with_uncertainty(c.delta, c.u) : "-", c.unit,
+                       c.limited || c.verdict_b != Verdict::pass ? to_string(c.verdict_b) : "no limit",
                        c.verdict_a == c.verdict_b ? "" : fmt::format(", was {}", to_string(c.verdict_a)));
   }
   if (!d.only_in_a.empty()) out += "only in A: " + join(named(d.only_in_a), ", ") + "\n";
@@ -179,7 +181,8 @@ std::string diff_json(const RunDiff& d) {
                       {"delta", json_number<nlohmann::ordered_json>(c.delta)},
                       {"u", json_number<nlohmann::ordered_json>(c.u)},
                       {"verdict_a", to_string(c.verdict_a)},
-                      {"verdict_b", to_string(c.verdict_b)}});
+                      {"verdict_b", to_string(c.verdict_b)},
+                      {"has_limit", c.limited}});
   for (const CheckSummary& s : d.summary)
     summary.push_back({{"check", s.check_id},
                        {"unit", s.unit},

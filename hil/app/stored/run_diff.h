@@ -16,6 +16,7 @@ struct CheckDelta {
   double delta = 0.0;  ///< b - a
   double u = 0.0;      ///< root of the sum of both squares: an upper bound when both ran on one rig
   Verdict verdict_a = Verdict::not_run, verdict_b = Verdict::not_run;
+  bool limited = false;  ///< B held its value against a limit
 };
 
 /// All cases of one check together. Pairs share profile, specimen and seed, so what is common to both drops out: the

@@ -79,7 +79,9 @@ Result<int> run(const Invocation& in) {
     console.next("forcegate explain NO-DECISION");
     return kExitSuccess;
   }
-  const std::string term = in.text("TERM");
+  const std::string term(trim(in.text("TERM")));
+  if (term.empty())
+    return fail(ErrorCode::usage, "TERM is empty", "forcegate explain", "give a word of a report; \"forcegate explain\" lists all of them");
   const std::vector<Explanation> found = find_explanations(term);
   if (found.empty()) {
     const std::vector<std::string> known = terms();

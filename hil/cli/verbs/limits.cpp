@@ -26,18 +26,18 @@ Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const std::int64_t threads, in.integer("threads", 0, 1024));
   request.threads = static_cast<unsigned>(threads);
   request.date = utc_today();
-  const auto limits = derive_limits(request, in.console().progress_callback(), &in.interrupt_flag());
+  const auto made = derive_limits(request, in.console().progress_callback(), &in.interrupt_flag());
   in.console().end_progress();
-  if (!limits) return Unexpected(limits.error());
-  const std::string text = write_limits(*limits);
-  if (in.given("output")) FORCEGATE_CHECK_OK(write_file_atomically(in.text("output"), text));
-  in.console().print(text);
-  in.console().print_json(limits_json(*limits));
+  if (!made) return Unexpected(made.error());
+  if (in.given("output")) FORCEGATE_CHECK_OK(write_file_atomically(in.text("output"), made_limits_text(*made)));
+  in.console().print(write_limits(made->limits));
+  in.console().notes(made->notes);
+  in.console().print_json(made_limits_json(*made));
   std::string recorded;
   if (!request.records.empty()) recorded = " --record " + shell_quoted(request.records.back().string());
   for (const std::string& word : in.texts("map")) recorded += " --map " + shell_quoted(word);
   if (in.given("cal")) recorded += " --cal " + shell_quoted(in.text("cal"));
-  in.console().next(in.given("output") ? line_after_limits(in, *limits, in.text("output"), recorded)
+  in.console().next(in.given("output") ? line_after_limits(in, made->limits, in.text("output"), recorded)
                                        : in.command_line() + " -o limits.toml");
   return kExitSuccess;
 }

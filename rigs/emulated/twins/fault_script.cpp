@@ -28,7 +28,9 @@ Result<FaultEntry> FaultScript::read_entry(const ConfigNode& table) {
   in.choice("kind", kind, fault_names(), ConfigReader::required);
   in.number("at_s", e.at_s, 0, 1e9);
   in.number("for_s", e.for_s, 0, 1e9);
-  if (in.integer("count", count, 1, 1000000000)) e.count = static_cast<std::uint64_t>(count);
+  if (in.integer("count", count, 1, 1000000000) && table.find("for_s") != nullptr)
+    in.complain(*table.find("count"), "for_s and count are given together", "a fault ends after a time or after a number of messages: leave one out");
+  if (count > 0) e.count = static_cast<std::uint64_t>(count);
   in.number("amount", e.amount, 0, 1e6);
   const auto& names = fault_names();
   e.kind = static_cast<WireFault>(std::find(names.begin(), names.end(), kind) - names.begin());
@@ -38,6 +40,7 @@ Result<FaultEntry> FaultScript::read_entry(const ConfigNode& table) {
       in.complain(table, "the device '" + e.device + "' has no fault '" + kind + "'", "it is one of: " + join(devices, ", "));
   }
   FORCEGATE_CHECK_OK(in.finish());
+  if (const ConfigNode* at = table.find("at_s")) e.where = at->where;
   return e;
 }
 

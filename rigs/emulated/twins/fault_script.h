@@ -37,6 +37,7 @@ struct FaultEntry {
   double for_s = std::numeric_limits<double>::infinity();
   std::uint64_t count = std::numeric_limits<std::uint64_t>::max();  ///< messages at most
   double amount = 0.0;
+  std::string where;  ///< of at_s in the file; "": none was written
 };
 
 const std::vector<std::string>& fault_names();

@@ -6,6 +6,7 @@
 #include "hil/app/diagnose/diagnose.h"
 #include "hil/app/diagnose/next.h"
 #include "hil/app/model/fit.h"
+#include "hil/app/stored/run_diff.h"
 
 namespace forcegate {
 namespace {
@@ -120,6 +121,18 @@ TEST(WaterfallText, AFitThatFailsIsNoFallToNothing) {
   EXPECT_THAT(waterfall_text(w), HasSubstr("over all orders ? [?, ?]"));
   EXPECT_THAT(waterfall_text(w), Not(HasSubstr("nan")));
   EXPECT_THAT(waterfall_json(w), HasSubstr("\"as_added\":null"));
+}
+
+TEST(DiffText, SaysWhereAValueHasNoLimit) {
+  RunDiff d;
+  CheckDelta one;
+  one.case_id = "recording/recorded", one.check_id = "mre_maxima", one.unit = "%";
+  one.a = 0.79, one.b = 53.0, one.delta = 52.21, one.u = 0.1;
+  one.verdict_a = one.verdict_b = Verdict::pass;
+  d.checks = {one};
+  EXPECT_THAT(diff_text(d), HasSubstr("% (no limit)\n"));
+  d.checks.front().limited = true;
+  EXPECT_THAT(diff_text(d), HasSubstr("% (pass)\n"));
 }
 
 }  // namespace

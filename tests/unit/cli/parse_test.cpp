@@ -91,12 +91,24 @@ TEST(Parse, FallbacksStandWhereNothingWasGivenAndDoNotCountAsGiven) {
   EXPECT_TRUE(in.texts("map").empty());
 }
 
-TEST(Parse, RepeatableOptionsKeepAllOthersTheLast) {
-  const ParsedLine line = parse({"play", "x", "--map", "a=b", "--map=c=d", "-s", "1", "-s", "2"});
+TEST(Parse, RepeatableOptionsKeepAll) {
+  const ParsedLine line = parse({"play", "x", "--map", "a=b", "--map=c=d"});
   Console console({});
   const Invocation in = invocation(line, console);
   EXPECT_THAT(in.texts("map"), ElementsAre("a=b", "c=d"));
-  EXPECT_EQ(in.text("speed"), "2");
+}
+
+TEST(Parse, AnOptionWithAValueThatIsNotRepeatableIsGivenOnce) {
+  for (const auto& twice : std::vector<std::vector<std::string>>{{"play", "x", "-s", "1", "--speed=2"},
+                                                                 {"play", "--speed", "2", "x", "--speed", "2"}}) {
+    const ParsedLine line = parse(twice);
+    ASSERT_TRUE(line.error);
+    EXPECT_EQ(line.error->code, ErrorCode::usage);
+    EXPECT_EQ(line.error->where, "forcegate play");
+    EXPECT_THAT(line.error->text, HasSubstr("--speed is given twice"));
+    EXPECT_FALSE(line.error->hint.empty());
+  }
+  EXPECT_FALSE(parse({"play", "x", "-l", "--loud", "-q", "-q", "--color=never", "--color=auto"}).error);
 }
 
 TEST(Parse, NumbersAreCheckedWithRangeAndWithoutLocale) {

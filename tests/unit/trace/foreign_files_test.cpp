@@ -262,5 +262,25 @@ TEST(ForeignFiles, ADateThatIsNoPartOfTheClockIsLeftOut) {
   EXPECT_THAT(read("Date,Time,F,U\n11/21/2026,10:00:00,1,2\n11/21/2026,10:00:01,1,2\n").notes, Contains(HasSubstr("write dates as 2024-05-31")));
 }
 
+TEST(ForeignFiles, AColumnOfTextMayBeMappedOut) {
+  CsvOptions options;
+  options.column_map["Remark"] = "unused";
+  const auto f = read("t_s,F,U,Remark\n0,1,2,fine\n1,1,2,dropped it\n", options);
+  EXPECT_THAT(f.mapped, ::testing::ElementsAre("Remark"));
+  EXPECT_THAT(f.notes, ::testing::Not(Contains(HasSubstr("Remark"))));
+  EXPECT_THAT(read("t_s,F,U,Remark\n0,1,2,fine\n1,1,2,dropped it\n").notes, Contains("column \"Remark\" holds text and was left out"));
+}
+
+TEST(ForeignFiles, AUnitBehindABlankCountsWhereItGoesWithTheName) {
+  const auto f = read("Time ms,Force mN,U,Temperature °C\n0,1,2,21\n500,1,2,22\n");
+  EXPECT_NEAR(f.trace.time_bases[0].t_s[1], 0.5, 1e-12);
+  ASSERT_NE(f.trace.find("F_ref"), nullptr);
+  EXPECT_NEAR(f.trace.find("F_ref")->value[0], 1e-3, 1e-12);
+  ASSERT_NE(f.trace.find("temp"), nullptr);
+  EXPECT_EQ(f.trace.find("temp")->unit, "C");
+  EXPECT_EQ(meaning_of("Phase A").name, "Phase_A");
+  EXPECT_EQ(meaning_of("Force A").unit.symbol, "");
+}
+
 }  // namespace
 }  // namespace forcegate
