@@ -9,6 +9,7 @@
 #include "hil/trace/convert.h"
 #include "hil/trace/hdf5_io.h"
 #include "hil/trace/mat_io.h"
+#include "hil/trace/missing_count.h"
 #include "tests/support/folder_test.h"
 
 namespace forcegate {
@@ -220,6 +221,32 @@ TEST_F(Storage, ConvertGoesRoundThroughAllFormats) {
   const auto many = write_hdf5(sample_trace(), folder_ / "e.h5");
   ASSERT_TRUE(many);
   EXPECT_THAT(convert_trace(folder_ / "e.h5", folder_ / "e.csv").error().text, HasSubstr("2 time bases"));
+}
+
+std::string text_of(const fs::path& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+TEST_F(Storage, CountsBelowZeroGoRoundThroughAllFormats) {
+  for (const char* text : {"t_s,F_ref_N,U_V,U_counts\n0,1,2,-1\n0.1,1.25,2.5,\n0.2,3,4,-8388608\n0.3,3,4,6\n", "t_s,F_ref_N,U_counts\n0,1,-1\n0.1,1.25,\n0.2,3,-8388608\n0.3,3,6\n"}) {
+    std::ofstream(folder_ / "a.csv") << text;
+    ASSERT_TRUE(convert_trace(folder_ / "a.csv", folder_ / "b.h5"));
+    ASSERT_TRUE(convert_trace(folder_ / "b.h5", folder_ / "c.csv"));
+    EXPECT_EQ(text_of(folder_ / "c.csv"), text);
+    ASSERT_TRUE(convert_trace(folder_ / "b.h5", folder_ / "d.mat"));
+    ASSERT_TRUE(convert_trace(folder_ / "d.mat", folder_ / "e.csv"));
+    EXPECT_EQ(text_of(folder_ / "e.csv"), text);
+  }
+}
+
+// Written when a missing count was -1: counts 3, missing, -7, 6.
+TEST_F(Storage, AMissingCountOfAFormerFileIsMissing) {
+  for (const char* name : {"former_counts.h5", "former_counts.mat"}) {
+    const auto file = read_trace(fs::path(FORCEGATE_SOURCE_DIR "/tests/data/trace") / name, {});
+    ASSERT_TRUE(file) << file.error().to_text();
+    EXPECT_EQ(file->trace.find("U")->raw, (std::vector<std::int32_t>{3, kMissingCount, -7, 6})) << name;
+  }
 }
 
 }  // namespace
