@@ -55,7 +55,7 @@ void judge_accuracy(const Plan& plan, const PlanCase& planned, const CaseRecord&
     const double misfit = (closed ? off_N < 0.0 : off_N > 0.0) ? calibration_misfit(record).reads_high : calibration_misfit(record).reads_low;
     const Budget relative =
         mre_budget(plan.uncertainty, record, typical_N, e.standard_error, e.n, planned.half_width_s);
-    const Budget absolute = mae_budget(plan.uncertainty, record, typical_N, items, planned.half_width_s);
+    const Budget absolute = mae_budget(plan.uncertainty, record, typical_N, e.standard_error_absolute, items, planned.half_width_s);
     const bool judge_relative = maximum || low_N >= plan.limits.minima_floor_N;
     const std::string mre_id = fmt::format("mre_{}", which), mae_id = fmt::format("mae_{}", which);
     const std::string tail =
