@@ -16,6 +16,7 @@
 #include "hil/base/text.h"
 #include "hil/interface/rig.h"
 #include "hil/trace/column_map.h"
+#include "hil/trace/missing_count.h"
 
 namespace forcegate {
 namespace {
@@ -280,7 +281,10 @@ class ReplayRig : public Rig {
     for (std::size_t i = 0; i < n; ++i) {
       double code = kMissing;
       if (counts) {
-        if (counts->raw[i] >= 0) code = counts->raw[i];
+        code = value_of_count(counts->raw[i]);
+        if (code < 0.0)
+          return fail(ErrorCode::config, "code " + shortest(code) + " in row " + std::to_string(i + 1) + " is below 0: the firmware takes codes without sign", path,
+                      "map a column in volts to U_V, or add to the codes what the lowest lacks");
         if (code > full)
           return fail(ErrorCode::config,
                       "code " + shortest(code) + " in row " + std::to_string(i + 1) + " exceeds " +

@@ -14,6 +14,7 @@ import file_length
 import include_walls
 import link_lists
 import markdown_paths
+import one_definition
 import process_state
 import tests_run
 
@@ -184,6 +185,33 @@ class ProcessState(unittest.TestCase):
         self.assertFalse(self.refused("hil/cli/console.cpp", "  std::fputs(text, stderr);"))
         self.assertFalse(self.refused("hil/gate/text.cpp", "  std::snprintf(text, sizeof text, format, gain);"))
         self.assertFalse(self.refused("adapters/child.h", "/// stdout and stderr (both) go to the log"))
+
+
+class OneDefinition(unittest.TestCase):
+    def check(self, **sources):
+        tree = Tree()
+        for name, source in sources.items():
+            tree.put(name.replace("__", "/") + ".h", source)
+        return one_definition.check(tree.root)
+
+    def test_two_types_of_one_name_are_refused(self):
+        found = self.check(hil__a="namespace forcegate {\nstruct Limit {\n  int a;\n};\n}\n", hil__b="namespace forcegate {\nclass Limit final : public A<int> {\n};\n}\n")
+        self.assertEqual(len(found), 1)
+        self.assertTrue(found[0].startswith("hil/b.h:2: forcegate::Limit is another type in hil/a.h:2"), found)
+        self.assertTrue(self.check(hil__a="namespace forcegate {\nenum class Turn : int { up };\n}\n", hil__b="namespace forcegate {\nunion Turn {};\n}\n"))
+
+    def test_what_the_compiler_keeps_apart_is_left_alone(self):
+        one = "namespace forcegate {\nstruct Limit {};\n}\n"
+        for other in ["namespace forcegate {\nnamespace {\nstruct Limit {};\n}\n}\n", "namespace forcegate::ati {\nstruct Limit {};\n}\n", "namespace forcegate {\nstruct Limit;\n}\n",
+                      "namespace forcegate {\nclass Judge {\n  struct Limit {};\n};\n}\n", "namespace forcegate {\n// struct Limit {\nconst char* const k = \"struct Limit {\";\n}\n",
+                      "namespace forcegate {\ntemplate <>\nstruct Limit<int> {};\nstruct Limit named();\n}\n"]:
+            self.assertEqual(self.check(hil__a=one, hil__b=other), [], other)
+
+    def test_each_folder_of_tests_is_a_program(self):
+        one = "namespace forcegate {\nstruct Bench {};\n}\n"
+        self.assertEqual(self.check(tests__unit__a__x=one, tests__unit__b__x=one), [])
+        self.assertEqual(len(self.check(tests__unit__a__x=one, tests__unit__a__y=one)), 1)
+        self.assertEqual(len(self.check(tests__unit__a__x=one, hil__y=one)), 1)
 
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -20,13 +20,13 @@ double root_of_squares(const std::vector<BudgetLine>& lines, Counts counts) {
 bool cancels(const BudgetLine& line) { return line.systematic && !line.of_this_record; }
 
 // What the unloaded readings and the spring showed of the reference in this record: half width of a rectangle.
-double drift_rel(const CaseRecord& record, double typical_N) {
+double drift_N(const CaseRecord& record, double typical_N) {
   const RigObservation& o = record.observed;
   double zero_N = 0.0;
   for (const double z : {o.zero_start_N, o.zero_end_N})
     if (std::isfinite(z)) zero_N = std::max(zero_N, std::fabs(z));
   const double slope = o.spring_samples > 0 ? std::fabs(o.spring_slope - 1.0) : 0.0;
-  return std::hypot(zero_N / typical_N, slope) / std::sqrt(3.0);
+  return std::hypot(zero_N, slope * typical_N) / std::sqrt(3.0);
 }
 
 }  // namespace
@@ -66,8 +66,8 @@ Budget mre_budget(const PlanUncertainty& plan, const CaseRecord& record, double 
   const double reference = plan.reference_rel > 0.0 ? plan.reference_rel : record.rig.reference_u_rel;
   b.lines.push_back({"ATI calibration", 100.0 * reference, true});
   b.lines.push_back({"alignment", 100.0 * plan.alignment_rel, true});
-  if (const double drift = drift_rel(record, typical_N); drift > 0.0)
-    b.lines.push_back({"drift", 100.0 * drift, true, true});
+  if (const double drift = drift_N(record, typical_N); drift > 0.0)
+    b.lines.push_back({"drift", 100.0 * drift / typical_N, true, true});
   b.lines.push_back({"resolution",
                      100.0 * record.rig.reference_resolution_N / std::sqrt(12.0) / typical_N / root_n,
                      false});
@@ -82,14 +82,14 @@ Budget mre_budget(const PlanUncertainty& plan, const CaseRecord& record, double 
   return b;
 }
 
-Budget mae_budget(const PlanUncertainty& plan, const CaseRecord& record, double typical_N, std::size_t n,
-                  double half_width_s) {
-  Budget b = mre_budget(plan, record, 1.0, std::nan(""), n, half_width_s);  // in percent of 1 N
+Budget mae_budget(const PlanUncertainty& plan, const CaseRecord& record, double typical_N,
+                  double standard_error_N, std::size_t n, double half_width_s) {
+  Budget b = mre_budget(plan, record, 1.0, standard_error_N, n, half_width_s);  // in percent of 1 N
   for (BudgetLine& line : b.lines) {
     line.u /= 100.0;
     if (line.systematic) line.u *= typical_N;
     if (line.name == "drift")
-      line.u = drift_rel(record, typical_N) * typical_N;  // a zero error does not grow with the force
+      line.u = drift_N(record, typical_N);  // a zero error does not grow with the force
   }
   return b;
 }

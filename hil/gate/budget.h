@@ -41,8 +41,8 @@ struct Budget {
 Budget mre_budget(const PlanUncertainty& plan, const CaseRecord& record, double typical_N,
                   double standard_error, std::size_t n, double half_width_s);
 
-/// The same parts for a mean absolute error, in newtons.
-Budget mae_budget(const PlanUncertainty& plan, const CaseRecord& record, double typical_N, std::size_t n,
-                  double half_width_s);
+/// The same parts for a mean absolute error, in newtons; so is `standard_error_N`.
+Budget mae_budget(const PlanUncertainty& plan, const CaseRecord& record, double typical_N,
+                  double standard_error_N, std::size_t n, double half_width_s);
 
 }  // namespace forcegate

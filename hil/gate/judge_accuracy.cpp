@@ -19,7 +19,6 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kFewMissing = 0.02;
 constexpr std::size_t kExtremaNeeded = 4;  // two of each kind: one has no spread
-constexpr double kExtremumFloor_N = 0.1;   // below, a relative error says nothing
 
 Limit limit_of(const std::string& id, const std::optional<double>& given, const PlanCase& planned,
                const DerivedLimits& limits) {
@@ -44,10 +43,7 @@ void judge_accuracy(const Plan& plan, const PlanCase& planned, const CaseRecord&
   if (!record.facts.dynamic && record.pairs.empty()) return;
   const bool closed = planned.loop == LoopMode::closed;
   const char* against = closed ? "ATI against set-point" : "firmware against ATI";
-  // A recording's own force channel begins with the loading: its bounds say nothing about the settled
-  // minima.
-  const double low_N = record.rig.can_move ? record.facts.mean_N - record.facts.amplitude_N
-                                           : moments(judged_extrema(planned, record, false).expected).mean;
+  const double low_N = minima_N(planned, record);
   for (const bool maximum : {true, false}) {
     const JudgedExtrema s = judged_extrema(planned, record, maximum);
     const char* which = maximum ? "maxima" : "minima";
@@ -59,7 +55,7 @@ void judge_accuracy(const Plan& plan, const PlanCase& planned, const CaseRecord&
     const double misfit = (closed ? off_N < 0.0 : off_N > 0.0) ? calibration_misfit(record).reads_high : calibration_misfit(record).reads_low;
     const Budget relative =
         mre_budget(plan.uncertainty, record, typical_N, e.standard_error, e.n, planned.half_width_s);
-    const Budget absolute = mae_budget(plan.uncertainty, record, typical_N, items, planned.half_width_s);
+    const Budget absolute = mae_budget(plan.uncertainty, record, typical_N, e.standard_error_absolute, items, planned.half_width_s);
     const bool judge_relative = maximum || low_N >= plan.limits.minima_floor_N;
     const std::string mre_id = fmt::format("mre_{}", which), mae_id = fmt::format("mae_{}", which);
     const std::string tail =

@@ -4,8 +4,11 @@
 #include <vector>
 
 #include "hil/gate/runner.h"
+#include "hil/gate/statistics.h"
 
 namespace forcegate {
+
+inline constexpr double kExtremumFloor_N = 0.1;  ///< below, a relative error says nothing
 
 /// Open loop: firmware against ATI. Closed loop: ATI against set-point. N.
 struct JudgedExtrema {
@@ -22,6 +25,12 @@ inline JudgedExtrema judged_extrema(const PlanCase& planned, const CaseRecord& r
     e.actual.push_back(closed ? p.ati_N : p.dut_N);
   }
   return e;
+}
+
+/// Force of the minima, which below PlanLimits::minima_floor_N have no relative error. A recording's own force channel begins
+/// with the loading: its bounds say nothing about the settled minima, whose mean it is; NaN where none was recorded.
+inline double minima_N(const PlanCase& planned, const CaseRecord& record) {
+  return record.rig.can_move ? record.facts.mean_N - record.facts.amplitude_N : moments(judged_extrema(planned, record, false).expected).mean;
 }
 
 }  // namespace forcegate

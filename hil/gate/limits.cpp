@@ -78,9 +78,9 @@ std::string write_limits(const DerivedLimits& limits) {
       kFormat, limits.plan, limits.firmware_sha256, limits.rig, limits.date);
   for (const auto& [key, limit] : limits.by_case_and_check)
     out += fmt::format(
-        "\n[[limit]]\ncase = \"{}\"\ncheck = \"{}\"\np99_upper = {:.4f}\nsd = {:.4f}\nvalue = {:.4f}\nunit = "
+        "\n[[limit]]\ncase = \"{}\"\ncheck = \"{}\"\np99_upper = {}\nsd = {}\nvalue = {}\nunit = "
         "\"{}\"\nn = {}\n",
-        key.first, key.second, limit.p99_upper, limit.sd, limit.value, limit.unit, limit.n);
+        key.first, key.second, shortest(limit.p99_upper), shortest(limit.sd), shortest(limit.value), limit.unit, limit.n);
   return out;
 }
 

@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 
+#include "hil/gate/judged_extrema.h"
 #include "hil/gate/runner.h"
 #include "hil/gate/statistics.h"
 
@@ -14,7 +15,6 @@ namespace forcegate {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kExtremumFloor_N = 0.1;  // below, a relative error says nothing
 constexpr double kSameExtremum_s = 0.25;
 
 bool compared(const PlanCase& planned) { return (planned.checks & (kCheckAccuracy | kCheckPromise)) != 0; }
@@ -42,7 +42,7 @@ std::vector<ErrorIncrease> error_increases(const Plan& plan, const PlanCase& pla
                                            const CaseRecord& candidate, const CaseRecord& accepted) {
   std::vector<ErrorIncrease> out;
   if (!compared(planned)) return out;
-  const double low_N = candidate.facts.mean_N - candidate.facts.amplitude_N;
+  const double low_N = minima_N(planned, candidate);
   const double from_s = std::max(judged_from_s(planned, candidate), judged_from_s(planned, accepted));
   for (const bool maximum : {true, false}) {
     if (!maximum && low_N < plan.limits.minima_floor_N) continue;

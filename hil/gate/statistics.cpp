@@ -93,7 +93,7 @@ QuantileBound quantile_bound_95(std::vector<double> values, double p) {
   if (values.empty()) return {std::numeric_limits<double>::quiet_NaN(), false};
   std::sort(values.begin(), values.end());
   const auto n = static_cast<double>(values.size());
-  // P(Bin(n, p) <= r - 1) = I_{1-p}(n - r + 1, r), and it falls with r.
+  // P(Bin(n, p) <= r - 1) = I_{1-p}(n - r + 1, r), and it grows with r.
   const auto confidence = [&](std::size_t r) {
     return incomplete_beta(n - static_cast<double>(r) + 1.0, static_cast<double>(r), 1.0 - p);
   };

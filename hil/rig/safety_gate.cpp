@@ -108,7 +108,7 @@ Result<std::size_t> SafetyGate::run(std::size_t n, RigBlock& out, std::size_t at
       if (++lost_run_ >= limits_.reference_lost_samples) reason = StopReason::reference_lost;
     } else {
       lost_run_ = 0;
-      if (force_N > force_max_N_) reason = StopReason::force_limit;
+      if (std::fabs(force_N) > force_max_N_) reason = StopReason::force_limit;
     }
     if (reason == StopReason::none) continue;
     stop(reason, out.t_s[i], force_N);

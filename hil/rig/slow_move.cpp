@@ -49,7 +49,7 @@ Result<SlowMoveEnd> move(BenchSession& s, const SlowMove& m) {
     FORCEGATE_CHECK_OK(s.reference().poll(seen));
     for (const ReferenceReading& r : seen) {
       end.force_N = static_cast<double>(r.force_N);
-      if (r.status != 0 || !(end.force_N <= s.bench().limits.force_max_N))
+      if (r.status != 0 || !(std::fabs(end.force_N) <= s.bench().limits.force_max_N))
         return fail(ErrorCode::safety,
                     fmt::format("the force is {:.2f} N: the motor is stopped", end.force_N), "reference",
                     "unload the sensor and look for what blocks the wheel");

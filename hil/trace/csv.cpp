@@ -15,6 +15,7 @@
 #include "hil/trace/columns.h"
 #include "hil/trace/csv_hints.h"
 #include "hil/trace/date_column.h"
+#include "hil/trace/missing_count.h"
 #include "hil/trace/no_clock.h"
 #include "hil/trace/sensor_name.h"
 #include "hil/trace/time_base.h"
@@ -29,13 +30,13 @@ void keep_rows(std::vector<double>& column, const std::vector<std::size_t>& rows
   column = std::move(kept);
 }
 
-/// Empty unless every value is a whole number or missing (then -1).
+/// Empty unless every value is a whole number or missing.
 std::vector<std::int32_t> counts_of(const std::vector<double>& values) {
   std::vector<std::int32_t> raw;
   raw.reserve(values.size());
   for (const double v : values) {
     if (std::isnan(v))
-      raw.push_back(-1);
+      raw.push_back(kMissingCount);
     else if (v == std::floor(v) && std::fabs(v) < 2147483647.0)
       raw.push_back(static_cast<std::int32_t>(v));
     else
@@ -300,7 +301,7 @@ Result<void> write_csv(const Trace& trace, const std::filesystem::path& path) {
       if (i < c.value.size() && std::isfinite(c.value[i])) put_number(c.value[i]);
       if (!has_counts_beside(c)) continue;
       put(',');
-      if (i < c.raw.size() && c.raw[i] >= 0) put_number(c.raw[i]);
+      if (i < c.raw.size() && c.raw[i] != kMissingCount) put_number(c.raw[i]);
     }
     put('\n');
     if (used + row_bytes > buffer.size()) {

@@ -1,6 +1,6 @@
 #pragma once
 // Curves for pictures: M4 decimation (first, minimum, maximum and last sample of each pixel column; Jugel et al.,
-// VLDB 2014) of a trace united with that of its error, and full-rate windows. Never used for a number in a table.
+// VLDB 2014) of a trace united with that of its error. Never used for a number in a table.
 
 #include <cstddef>
 #include <span>
@@ -51,32 +51,6 @@ class M4Accumulator {
   Row first_, latest_;
   std::vector<Extremes> extremes_;
   std::vector<Row> kept_;
-};
-
-/// Full-rate samples of chosen spans of time, and of the last seconds of the record.
-class WindowKeeper {
- public:
-  struct Span {
-    double from_s = 0.0, to_s = 0.0;
-  };
-  /// `tail_rows` last rows are kept in a ring; the spans must not overlap. At most `most_rows` rows are kept in all
-  /// spans together; what exceeds them is left out and truncated() says so.
-  WindowKeeper(std::size_t channels, std::vector<Span> spans, std::size_t tail_rows,
-               std::size_t most_rows = 200000);
-
-  void push(std::span<const double> t_s, std::span<const float* const> channel);
-  const DecimatedRows& span(std::size_t k) const { return kept_[k]; }
-  DecimatedRows tail() const;
-  /// Rows of [from_s, to_s] out of the ring; used once it is known which cycle was the worst so far.
-  DecimatedRows recent(double from_s, double to_s) const;
-  bool truncated() const { return truncated_; }
-
- private:
-  std::vector<Span> spans_;
-  std::vector<DecimatedRows> kept_;
-  DecimatedRows ring_;
-  std::size_t tail_rows_, most_rows_, at_ = 0, rows_kept_ = 0;
-  bool truncated_ = false;
 };
 
 }  // namespace forcegate

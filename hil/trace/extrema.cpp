@@ -44,7 +44,12 @@ RelativeError mean_relative_error(std::span<const double> actual, std::span<cons
     sum += relative(i);
     out.largest = std::max(out.largest, relative(i));
   }
-  out.mean_absolute = finite > 0 ? sum_absolute / static_cast<double>(finite) : kNone;
+  const auto n_finite = static_cast<double>(finite);
+  out.mean_absolute = finite > 0 ? sum_absolute / n_finite : kNone;
+  double squares_absolute = 0.0;
+  for (std::size_t i = 0; i < actual.size(); ++i)
+    if (const double off = std::fabs(actual[i] - expected[i]) - out.mean_absolute; std::isfinite(off)) squares_absolute += off * off;
+  out.standard_error_absolute = finite > 1 ? std::sqrt(squares_absolute / (n_finite - 1.0) / n_finite) : kNone;
   if (out.n == 0) {
     out.mean = out.standard_error = out.largest = kNone;
     return out;

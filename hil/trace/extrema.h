@@ -129,12 +129,12 @@ class ExtremaPairer {
 };
 
 /// Mean of |actual - expected| / |expected| over the items (eq. 9, in 1, not %), with its standard
-/// error over items (NaN below two items) and the largest. Items with |expected| < floor are left out of these
+/// error over items (NaN below two items) and the largest; the mean |actual - expected| likewise. Items with |expected| < floor are left out of these
 /// and counted; items that are not finite on either side are left out of everything and counted. Without any
 /// item the means are NaN, never 0.
 struct RelativeError {
   double mean = 0.0, standard_error = 0.0, largest = 0.0;
-  double mean_absolute = 0.0;  ///< mean |actual - expected| over all finite items, the signal's unit
+  double mean_absolute = 0.0, standard_error_absolute = 0.0;  ///< |actual - expected| over all finite items, the signal's unit
   std::size_t n = 0, left_out = 0, not_finite = 0;
 };
 RelativeError mean_relative_error(std::span<const double> actual, std::span<const double> expected,

@@ -4,6 +4,7 @@
 #include "hil/base/text.h"
 #include "hil/trace/hdf5_handle.h"
 #include "hil/trace/hdf5_io.h"
+#include "hil/trace/missing_count.h"
 
 namespace forcegate {
 namespace {
@@ -59,6 +60,9 @@ bool read_column(hid_t data, hid_t type, std::vector<T>& out) {
   out.resize(static_cast<std::size_t>(n));
   return n == 0 || H5Dread(data, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, out.data()) >= 0;
 }
+
+// Files from before the attribute held -1 for a count that is missing.
+std::int32_t missing_count(hid_t data) { return static_cast<std::int32_t>(number_attribute(data, "missing").value_or(-1.0)); }
 
 herr_t collect_text(hid_t object, const char* name, const H5A_info_t*, void* into) {
   if (auto text = text_attribute(object, name))
@@ -158,6 +162,7 @@ class Reader {
         return error(place + " has " + std::to_string(n) + " samples, its time base " +
                      std::to_string(trace_.time_bases[channel.time_base].t_s.size()));
       if (counts) {
+        std::ranges::replace(channel.raw, missing_count(data), kMissingCount);
         const auto physical = std::find_if(found_.begin(), found_.end(), [&](const Ordered& o) {
           return o.channel.name == channel.name && o.channel.time_base == channel.time_base &&
                  o.channel.raw.empty();
@@ -167,7 +172,7 @@ class Reader {
           continue;
         }
         channel.value.reserve(n);
-        for (const std::int32_t code : channel.raw) channel.value.push_back(code < 0 ? kMissing : code);
+        for (const std::int32_t code : channel.raw) channel.value.push_back(value_of_count(code));
       }
       found_.push_back({static_cast<int>(number_attribute(data, "order").value_or(1e6)), std::move(channel)});
     }

@@ -10,6 +10,7 @@
 
 #include "hil/trace/hdf5_handle.h"
 #include "hil/trace/hdf5_io.h"
+#include "hil/trace/missing_count.h"
 
 namespace forcegate {
 namespace {
@@ -191,7 +192,8 @@ struct Hdf5Writer::Impl {
       if (!put_text(column.data, "name", s.name) || !put_text(column.data, "unit", s.unit) ||
           !put_text(column.data, "quantity", s.quantity) ||
           !put_int(column.data, "time_base", static_cast<std::int32_t>(s.time_base)) ||
-          !put_int(column.data, "order", static_cast<std::int32_t>(c)))
+          !put_int(column.data, "order", static_cast<std::int32_t>(c)) ||
+          (s.type == SampleType::i32 && !put_int(column.data, "missing", kMissingCount)))
         return false;
     }
     return true;

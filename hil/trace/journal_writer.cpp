@@ -71,6 +71,7 @@ struct JournalWriter::Impl {
       if (n < 0 && errno == EINTR) continue;
       if (n < 0) {
         write_errno = errno;
+        buffer.erase(buffer.begin(), buffer.begin() + static_cast<std::ptrdiff_t>(done));
         return error(write_errno);
       }
       done += static_cast<std::size_t>(n);
@@ -140,7 +141,10 @@ Result<void> JournalWriter::append(const JournalFrame& frame) {
   return {};
 }
 
-Result<void> JournalWriter::flush() { return impl_->write_out(); }
+Result<void> JournalWriter::flush() {
+  if (impl_->write_errno != 0) return impl_->error(impl_->write_errno);
+  return impl_->write_out();
+}
 
 Result<void> JournalWriter::close() {
   FORCEGATE_CHECK_OK(append({0, FrameKind::end, impl_->flushed_ns, {}}));

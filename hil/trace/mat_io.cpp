@@ -10,9 +10,11 @@
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "hil/base/text.h"
 #include "hil/trace/columns.h"
+#include "hil/trace/missing_count.h"
 
 namespace forcegate {
 namespace {
@@ -26,6 +28,9 @@ struct FreeVariable {
 using FilePointer = std::unique_ptr<mat_t, CloseFile>;
 using VariablePointer = std::unique_ptr<matvar_t, FreeVariable>;
 
+constexpr const char* kHeader = "MATLAB 5.0 MAT-file, written by Forcegate, missing counts are intmin";
+constexpr std::string_view kFormerHeader = "MATLAB 5.0 MAT-file, written by Forcegate";  // missing counts were -1
+
 /// A MATLAB name: letters, digits, underscore, a letter first, at most 63.
 std::string variable_name(std::string text) {
   for (char& c : text)
@@ -33,6 +38,12 @@ std::string variable_name(std::string text) {
   if (text.empty() || !((text[0] >= 'a' && text[0] <= 'z') || (text[0] >= 'A' && text[0] <= 'Z')))
     text = "x" + text;
   return text.substr(0, 63);
+}
+
+bool has_former_header(mat_t* file) {
+  const char* const text = Mat_GetHeader(file);  // none in level 4
+  const std::string_view header(text != nullptr ? text : "");
+  return header.substr(0, header.find_last_not_of(' ') + 1) == kFormerHeader;
 }
 
 bool put(mat_t* file, const std::string& name, matio_classes kind, matio_types type, std::size_t rows,
@@ -138,7 +149,7 @@ thread_local bool inflate_failed = false;  // the library tells it in no other w
 Result<void> write_mat(const Trace& trace, const std::filesystem::path& path) {
   const std::filesystem::path temporary = path.string() + ".part";
   FilePointer file(
-      Mat_CreateVer(temporary.c_str(), "MATLAB 5.0 MAT-file, written by Forcegate", MAT_FT_MAT5));
+      Mat_CreateVer(temporary.c_str(), kHeader, MAT_FT_MAT5));
   const auto failed = [&] {
     file.reset();
     std::error_code ignored;
@@ -195,6 +206,7 @@ Result<TraceFile> read_mat(const std::filesystem::path& path, const CsvOptions& 
     return fail(ErrorCode::parse, "this is not a MAT file of version 4, 5 or 7.3", path.string(),
                 "save it with -v7");
 
+  const double missing_count = has_former_header(file.get()) ? -1.0 : kMissingCount;
   CsvTable table;
   table.header_line = 0;
   std::map<std::string, std::string> provenance;
@@ -217,6 +229,7 @@ Result<TraceFile> read_mat(const std::filesystem::path& path, const CsvOptions& 
       left_out.push_back(name);
       continue;
     }
+    if (variable->class_type == MAT_C_INT32) std::ranges::replace(column.value, missing_count, kMissing);
     for (double& v : column.value)
       if (!std::isfinite(v)) v = kMissing, ++column.missing;
     table.columns.push_back(std::move(column));

@@ -8,6 +8,7 @@
 #include "hil/base/text.h"
 #include "hil/trace/hdf5_io.h"
 #include "hil/trace/journal.h"
+#include "hil/trace/missing_count.h"
 
 namespace forcegate {
 namespace {
@@ -162,7 +163,7 @@ void append_as(const std::vector<std::byte>& bytes, std::size_t n, Channel& chan
     T value;
     std::memcpy(&value, bytes.data() + i * sizeof(T), sizeof(T));
     if (counts) channel.raw.push_back(static_cast<std::int32_t>(value));
-    channel.value.push_back(static_cast<double>(value));
+    channel.value.push_back(counts ? value_of_count(channel.raw.back()) : static_cast<double>(value));
   }
 }
 

@@ -31,7 +31,7 @@ struct Channel {
   std::string quantity;  ///< "force"
   std::size_t time_base = 0;
   std::vector<double> value;      ///< NaN = missing
-  std::vector<std::int32_t> raw;  ///< device counts beside the physical values; may be empty
+  std::vector<std::int32_t> raw;  ///< device counts beside the physical values, kMissingCount = missing; may be empty
 };
 
 /// The counts are a column of their own beside physical values; a channel that is nothing but counts is one column.

@@ -18,7 +18,7 @@ namespace forcegate {
 
 namespace {
 
-Comparison::AsWritten as_written(const RecordInput& r, const std::vector<double>& U) {
+ModelComparison::AsWritten as_written(const RecordInput& r, const std::vector<double>& U) {
   double square = 0.0, mean = 0.0, swing = 0.0, n = 0.0;
   for (std::size_t i = 0; i < r.rows(); ++i)
     if (r.ok[i] != 0) {
@@ -32,26 +32,26 @@ Comparison::AsWritten as_written(const RecordInput& r, const std::vector<double>
   return {r.name, std::sqrt(square / std::max(n, 1.0)), swing > 0.0 ? std::sqrt(square / swing) : 0.0};
 }
 
-Result<std::vector<Comparison::AsWritten>> as_written(const Model& model, CampaignInput rows, unsigned threads) {
+Result<std::vector<ModelComparison::AsWritten>> as_written(const Model& model, CampaignInput rows, unsigned threads) {
   for (RecordInput& r : rows.records) set_decay(r, model.law);
   const CampaignInFrame input(model.frame, std::move(rows));
   const std::vector<RecordInput>& records = input.input().records;
-  std::vector<Result<Comparison::AsWritten>> made(records.size());
+  std::vector<Result<ModelComparison::AsWritten>> made(records.size());
   parallel_for(made.size(), threads, [&](std::size_t k) {
     made[k] = model_output_V(model, input, records[k]).map([&](const std::vector<double>& U) {
       return as_written(records[k], U);
     });
   });
-  std::vector<Comparison::AsWritten> out;
-  for (Result<Comparison::AsWritten>& one : made) {
-    FORCEGATE_TRY(Comparison::AsWritten written, std::move(one));
+  std::vector<ModelComparison::AsWritten> out;
+  for (Result<ModelComparison::AsWritten>& one : made) {
+    FORCEGATE_TRY(ModelComparison::AsWritten written, std::move(one));
     out.push_back(std::move(written));
   }
   return out;
 }
 
-Result<Comparison> compare_recordings(const CampaignRequest& request, Campaign campaign, const Model& model, bool pictures) {
-  Comparison out;
+Result<ModelComparison> compare_recordings(const CampaignRequest& request, Campaign campaign, const Model& model, bool pictures) {
+  ModelComparison out;
   if (campaign.records.size() == 1) {  // the comparison cuts it into blocks, and the model is asked about the whole
     FORCEGATE_TRY(CampaignInput whole, clean_input(campaign, request.threads));
     FORCEGATE_TRY(out.as_written, as_written(model, std::move(whole), request.threads));
@@ -72,17 +72,17 @@ Result<Comparison> compare_recordings(const CampaignRequest& request, Campaign c
 
 }  // namespace
 
-Result<Comparison> compare_request(const CampaignRequest& request, bool pictures) {
+Result<ModelComparison> compare_request(const CampaignRequest& request, bool pictures) {
   FORCEGATE_TRY(Campaign campaign, load_campaign(request));
   FORCEGATE_TRY(const Model model, load_model(request, campaign));
   const PlacesOf places(campaign, request.campaign);
-  Result<Comparison> out = compare_recordings(request, std::move(campaign), model, pictures);
+  Result<ModelComparison> out = compare_recordings(request, std::move(campaign), model, pictures);
   if (!out) return Unexpected(places.with_file(std::move(out.error())));
   for (std::string& note : left_out_notes(model)) out->view.notes.push_back(std::move(note));
   return out;
 }
 
-std::string comparison_text(const Comparison& c) {
+std::string comparison_text(const ModelComparison& c) {
   const Diagnosis& d = c.view;
   const PrintedUnit unit = printed_unit(d.unit);
   // of one recording the file's own numbers are asked about the whole, everything else about its blocks
@@ -124,7 +124,7 @@ std::string comparison_text(const Comparison& c) {
   return out;
 }
 
-std::string comparison_json(const Comparison& c) {
+std::string comparison_json(const ModelComparison& c) {
   auto out = nlohmann::ordered_json::parse(to_json(c.view));
   for (const char* key :
        {"verdict", "residual_unknown", "findings", "ranking", "expected_false", "next_experiment"})

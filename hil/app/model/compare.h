@@ -6,7 +6,7 @@
 
 namespace forcegate {
 
-struct Comparison {
+struct ModelComparison {
   Diagnosis view;     ///< records, maps, overlays of the refitted base; no findings
   struct AsWritten {  ///< the model file's own numbers, nothing refitted
     std::string record;
@@ -17,8 +17,8 @@ struct Comparison {
 };
 
 /// `pictures`: those beside the view too.
-Result<Comparison> compare_request(const CampaignRequest& request, bool pictures = false);
-std::string comparison_text(const Comparison& comparison);
-std::string comparison_json(const Comparison& comparison);
+Result<ModelComparison> compare_request(const CampaignRequest& request, bool pictures = false);
+std::string comparison_text(const ModelComparison& comparison);
+std::string comparison_json(const ModelComparison& comparison);
 
 }  // namespace forcegate

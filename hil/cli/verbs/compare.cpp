@@ -13,7 +13,7 @@ namespace {
 
 Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const CampaignRequest request, campaign_request(in, in.text("CAMPAIGN"), named_model(in)));
-  FORCEGATE_TRY(const Comparison answer, compare_request(request, !in.text("html").empty()));
+  FORCEGATE_TRY(const ModelComparison answer, compare_request(request, !in.text("html").empty()));
   if (const std::string html = in.text("html"); !html.empty())
     FORCEGATE_CHECK_OK(
         write_file_atomically(html, diagnosis_html(answer.view, {FORCEGATE_VERSION, in.command_line(), true, answer.pictures})));

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "hil/rig/slow_move.h"
 #include "tests/support/twin_bench.h"
 
 namespace forcegate {
@@ -64,6 +65,19 @@ TEST(TwinSession, ADriveThatCannotStopByItselfIsNotArmed) {
   ASSERT_FALSE(armed);
   EXPECT_EQ(armed.error().code, ErrorCode::safety);
   EXPECT_NE(armed.error().text.find("timeout"), std::string::npos);
+}
+
+TEST(TwinSession, ASlowMoveStopsWhereTheForceIsBeyondTheLimitInEitherDirection) {
+  for (const char* sign : {"1", "-1"}) {
+    TwinBench b("twin.toml", {{"force_max_N = 5.5", "force_max_N = 1.0"}, {"counts_per_force = 1000\n", std::string("counts_per_force = 1000\nsign = ") + sign + "\n"}});
+    b.mount();
+    TwinBench::ok(b.session->open());
+    const auto moved = move_slowly(*b.session, {.angle_rad = 1.5});
+    ASSERT_FALSE(moved) << sign;
+    EXPECT_EQ(moved.error().code, ErrorCode::safety) << moved.error().to_text();
+    EXPECT_NE(moved.error().text.find("the force is "), std::string::npos) << moved.error().to_text();
+    EXPECT_LT(b.status("force_N"), 1.3) << sign;
+  }
 }
 
 TEST(TwinSession, ASilentHarnessIsStoppedByTheDrive) {

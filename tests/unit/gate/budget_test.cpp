@@ -52,6 +52,27 @@ TEST(Budget, what_this_record_showed_of_the_ati_counts_against_a_derived_limit) 
   EXPECT_NEAR(budget(r).u_of_this_record(), 1.5 / std::sqrt(3.0), 1e-6);
 }
 
+double part(const Budget& b, const std::string& name) {
+  const auto line = std::find_if(b.lines.begin(), b.lines.end(), [&](const BudgetLine& l) { return l.name == name; });
+  return line == b.lines.end() ? std::nan("") : line->u;
+}
+
+TEST(Budget, of_a_mean_absolute_error_has_its_repeatability) {
+  const Budget b = mae_budget({}, record(0.5, 0.0), 0.3, 0.004, 100, 0.005);
+  EXPECT_NEAR(part(b, "repeatability"), 0.004, 1e-12);
+  EXPECT_GE(b.u_against_derived(), 0.004);
+  EXPECT_TRUE(std::isnan(part(mae_budget({}, record(0.5, 0.0), 0.3, std::nan(""), 1, 0.005), "repeatability"))) << "one item has no spread";
+}
+
+TEST(Budget, of_a_mean_absolute_error_is_a_number_around_0_N) {
+  CaseRecord r = record(0.5, 0.0);
+  r.observed.zero_start_N = 0.006;
+  r.observed.spring_samples = 1000;
+  r.observed.spring_slope = 0.99;
+  EXPECT_NEAR(part(mae_budget({}, r, 0.0, 0.001, 100, 0.005), "drift"), 0.006 / std::sqrt(3.0), 1e-12);
+  EXPECT_NEAR(part(mae_budget({}, r, 0.5, 0.001, 100, 0.005), "drift"), std::hypot(0.006, 0.005) / std::sqrt(3.0), 1e-12);
+}
+
 TEST(Budget, a_record_that_is_judged_again_has_the_time_too) {
   const auto again = record_from_json(to_json(record(0.5, 0.1)));
   ASSERT_TRUE(again) << again.error().to_text();

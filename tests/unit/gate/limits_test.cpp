@@ -49,6 +49,16 @@ TEST_F(LimitsFile, comes_back_from_disk_as_it_was) {
   EXPECT_EQ(write_limits(*back), write_limits(sample()));
 }
 
+TEST_F(LimitsFile, keeps_a_limit_that_is_small) {
+  DerivedLimits limits = sample();
+  limits.by_case_and_check[{"sine", "mae_minima"}] = derive_limit({0.00001, 0.00002}, 0.00001, "N");
+  std::ofstream(path_) << write_limits(limits);
+  const auto back = read_limits(path_);
+  ASSERT_TRUE(back) << back.error().to_text();
+  EXPECT_EQ(back->find("sine", "mae_minima").value, limits.find("sine", "mae_minima").value);
+  EXPECT_GT(back->find("sine", "mae_minima").value, 0.0);
+}
+
 TEST_F(LimitsFile, of_the_former_format_is_refused_with_its_place) {
   std::ofstream(path_) << "format = 1\nplan = \"p\"\nfirmware_sha256 = \"a\"\nrig = \"r\"\ndate = \"d\"\n"
                          "[[limit]]\ncase = \"c\"\ncheck = \"mre_maxima\"\np99 = 1\nsd = 1\nvalue = 3\nunit = "

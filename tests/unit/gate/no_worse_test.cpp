@@ -21,6 +21,7 @@ CaseRecord record(const std::string& specimen, double error, double swing = 0.0)
   r.facts.mean_N = 2.0;
   r.facts.amplitude_N = 1.0;
   r.facts.dynamic = true;
+  r.rig.can_move = true;
   for (int i = 0; i < 100; ++i)
     for (const bool maximum : {true, false}) {
       CasePair p;
@@ -113,6 +114,20 @@ TEST(NoWorse, an_accepted_build_that_does_not_run_is_named_and_not_the_candidate
     EXPECT_NE(j.check.evidence.find("the accepted build"), std::string::npos) << j.check.evidence;
     EXPECT_NE(j.check.evidence.find("SEGV"), std::string::npos) << j.check.evidence;
   }
+}
+
+// The force channel of a recording begins with the loading, from 0 N.
+TEST(NoWorse, the_minima_of_a_recording_are_those_that_are_judged_and_not_its_lowest_force) {
+  CaseRecord recording = record("1", 0.05);
+  recording.rig.can_move = false;
+  recording.facts.mean_N = recording.facts.amplitude_N = 1.5;
+  const auto checks = compare({recording}, {recording});
+  ASSERT_EQ(checks.size(), 2U);
+  EXPECT_EQ(checks[1].check.id, "no_worse_minima/sine");
+  EXPECT_EQ(checks[1].check.verdict, Verdict::pass);
+  for (CasePair& p : recording.pairs)
+    if (!p.maximum) p.ati_N = p.dut_N = 0.3;
+  EXPECT_EQ(compare({recording}, {recording}).size(), 1U) << "minima below 0.5 N are judged by their absolute error";
 }
 
 Check mre(const char* id, double value, double u) {

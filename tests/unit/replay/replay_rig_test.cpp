@@ -79,6 +79,8 @@ TEST_F(ReplayRig, PrefersRecordedCounts) {
   EXPECT_TRUE(std::isnan(b.setpoint_N[0]));
   const auto wide = put("w.csv", "t_s,F_ref_N,U_counts\n0,1,9000\n1,2,9\n");
   EXPECT_THAT(make({{"record", wide}, {"adc_bits", "12"}}).error().text, HasSubstr("exceeds 12 bits"));
+  const auto negative = put("n.csv", "t_s,F_ref_N,U_counts\n0,1,9\n1,2,-1\n");
+  EXPECT_THAT(make({{"record", negative}}).error().text, HasSubstr("code -1 in row 2 is below 0"));
 }
 
 TEST_F(ReplayRig, FillsGapsWithLostSamples) {

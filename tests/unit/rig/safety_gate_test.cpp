@@ -38,6 +38,17 @@ TEST(SafetyGate, stops_for_good_when_the_force_exceeds_the_limit) {
   EXPECT_EQ(*gate.command(1.0), 0.0);
 }
 
+TEST(SafetyGate, stops_when_the_sensor_is_pulled_beyond_the_limit) {
+  Bench b;
+  b.rig.spoil = [](std::size_t row, double t_s, RigBlock& block) { block.force_ref_N[row] = t_s < 0.5 ? -1.9f : -2.1f; };
+  SafetyGate gate(b.rig, {.force_max_N = 2.0});
+  ASSERT_TRUE(gate.begin({}));
+  ASSERT_TRUE(gate.run(1000, b.block, 0));
+  EXPECT_EQ(gate.report().reason, StopReason::force_limit);
+  EXPECT_NEAR(gate.report().t_s, 0.5, 0.002);
+  EXPECT_GE(b.rig.parked, 1);
+}
+
 TEST(SafetyGate, stops_when_a_command_is_not_a_number) {
   Bench b;
   SafetyGate gate(b.rig, {});

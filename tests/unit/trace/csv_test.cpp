@@ -10,6 +10,7 @@
 #include "hil/base/rng.h"
 #include "hil/base/text.h"
 #include "hil/trace/decimal.h"
+#include "hil/trace/missing_count.h"
 
 namespace forcegate {
 namespace {
@@ -167,7 +168,7 @@ TEST(ReadCsv, AVelocityIsNoClock) {
 TEST(ReadCsv, KeepsCountsBesideTheVoltage) {
   const auto f = read("t_s,U_V,U_counts,adc_counts\n0,1,6553,7\n1,,,8\n");
   ASSERT_EQ(f.trace.channels.size(), 2u);
-  EXPECT_EQ(f.trace.find("U")->raw, (std::vector<std::int32_t>{6553, -1}));
+  EXPECT_EQ(f.trace.find("U")->raw, (std::vector<std::int32_t>{6553, kMissingCount}));
   EXPECT_EQ(f.trace.find("adc")->raw, (std::vector<std::int32_t>{7, 8}));
 }
 

@@ -66,22 +66,5 @@ TEST(M4Accumulator, KeepsAllRowsOfAShortRecordAndSurvivesAnEmptyOne) {
   EXPECT_TRUE(M4Accumulator(10, 0, 1, 2, {0}).rows().t_s.empty());
 }
 
-TEST(WindowKeeper, KeepsTheChosenSpansAndTheTailAtFullRate) {
-  const Signal s = make(10000);
-  WindowKeeper keeper(2, {{1.0, 1.5}, {9.99, 20.0}}, 300, 400);
-  for (std::size_t at = 0; at < s.t.size(); at += 64) {
-    const std::size_t n = std::min<std::size_t>(64, s.t.size() - at);
-    const float* channels[] = {s.force.data() + at, s.error.data() + at};
-    keeper.push(std::span(s.t).subspan(at, n), channels);
-  }
-  EXPECT_EQ(keeper.span(0).t_s.size(), 400u);
-  EXPECT_TRUE(keeper.truncated());
-  const auto tail = keeper.tail();
-  ASSERT_EQ(tail.t_s.size(), 300u);
-  EXPECT_EQ(tail.value[1].front(), s.error[9700]);
-  EXPECT_EQ(tail.value[1].back(), s.error[9999]);
-  EXPECT_EQ(keeper.recent(9.8995, 9.9095).t_s.size(), 10u);
-}
-
 }  // namespace
 }  // namespace forcegate

@@ -261,6 +261,8 @@ TEST(MeanRelativeError, IsThatOfEquationNine) {
   EXPECT_NEAR(e.largest, 0.1, 1e-12);
   EXPECT_NEAR(e.standard_error, std::sqrt((2 * 0.1 * 0.1 - 3 * e.mean * e.mean) / 2.0 / 3.0), 1e-12);
   EXPECT_NEAR(e.mean_absolute, (0.1 + 0.2 + 0.0 + 4.99) / 4.0, 1e-12);
+  const double squares = 0.1 * 0.1 + 0.2 * 0.2 + 4.99 * 4.99 - 4 * e.mean_absolute * e.mean_absolute;
+  EXPECT_NEAR(e.standard_error_absolute, std::sqrt(squares / 3.0 / 4.0), 1e-12);
 }
 
 TEST(MeanRelativeError, OfNothingIsNotZero) {
