@@ -114,8 +114,7 @@ Result<CTerm> curve(const ModelEffect& e, const CTermContext& x) {
     t.needs_ln = t.needs_exp = true;
   } else {
     return refuse(e.effect, "the form " + e.form + " is a bank for the diagnosis, not a law",
-                  "add " + e.effect +
-                      " in one of its plain forms (set form = \"polynomial\" and refit with forcegate fit)");
+                  "forcegate export --fit with a campaign of three records or more chooses among the forms that can be undone");
   }
   t.title = fmt::format("{}: {}", e.effect, e.form);
   t.constants += fmt::format("static inline float {}_h(float F) {{\n  {}\n}}\n", id, body);

@@ -333,6 +333,20 @@ TEST(Excitation, ItsStartIsReadByTheClockOfTheFileOrSinceItsFirstRow) {
   }
 }
 
+// 0.5 Hz for a minute, then 2 Hz for one: most half periods are those of 2 Hz.
+TEST(Excitation, ItsFrequencyIsThatOfTheFirstCycles) {
+  Record r = test::record(
+      "switch", "sine", 120, 0, [](double t) { return 2.0 - std::cos(2.0 * std::numbers::pi * (t < 60.0 ? 0.5 : 2.0) * t); }, [](double, double F) { return 2.0 * F; });
+  r.dynamic = true;
+  Campaign c;
+  c.records.push_back(std::move(r));
+  const auto input = make_campaign_input(c);
+  ASSERT_TRUE(input) << input.error().to_text();
+  ASSERT_EQ(input->records[0].frequency_jumps_s.size(), 1U);
+  EXPECT_NEAR(input->records[0].f_Hz, 0.5, 0.01);
+  EXPECT_NEAR(input->records[0].onset_s, 0.0, 0.1);
+}
+
 TEST(Rows, ARecordShorterThanItsRowsIsAnError) {
   Record r = test::record("short", "ramp", 0.09, 0, [](double t) { return t; }, [](double, double F) { return F; });
   for (std::size_t i = 0; i < r.trace.time_bases[0].t_s.size(); ++i) r.trace.time_bases[0].t_s[i] = 1e-3 * static_cast<double>(i);

@@ -36,6 +36,16 @@ TEST(SettledRefit, ARefitOfWhatWasRefittedChangesNothing) {
   EXPECT_NEAR(again->plain_after, added->plain_after, 0.01 * added->plain_after);
 }
 
+TEST(SettledRefit, TellsErrorsInTheUnitOfTheOutput) {
+  Campaign c = creeping(1);
+  for (Record& r : c.records) r.trace.find("U")->unit = "S";
+  const Model library = *library_model("flexiforce");
+  const auto added = refit_campaign(std::move(c), options_of(library), library, "creep");
+  ASSERT_TRUE(added) << added.error().to_text();
+  EXPECT_EQ(added->waterfall.unit, "S");
+  EXPECT_EQ(added->model.history.back().unit, "S");
+}
+
 // No record decays: the spreads of the records and the shares of a bank of plays are found from where a fit begins.
 TEST(SettledRefit, NorDoesOneOfAStaticLaw) {
   const Sensor looped = [](const std::vector<double>&, const std::vector<double>& F, int) {
