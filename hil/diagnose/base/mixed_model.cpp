@@ -298,9 +298,7 @@ MixedProblem with_columns(const MixedProblem& p, const std::vector<int>& columns
 
 MixedFit with_columns(MixedFit fit, const std::vector<int>& columns) {
   const Index fixed = fit.coefficient.size() - std::ssize(fit.columns);
-  VectorXd coefficient(fixed + std::ssize(columns));
-  coefficient << fit.coefficient.head(fixed), fit.strengths_of(columns);
-  fit.coefficient = std::move(coefficient);
+  fit.coefficient = (VectorXd(fixed + std::ssize(columns)) << fit.coefficient.head(fixed), fit.strengths_of(columns)).finished();
   fit.columns.resize(columns.size());
   std::iota(fit.columns.begin(), fit.columns.end(), 0);
   return fit;

@@ -48,7 +48,7 @@ struct RefusalRow {
 inline constexpr std::array kRefusals = {
     RefusalRow{Refusal::none, {"none", "", false, 0.0}},
     RefusalRow{Refusal::too_little_evidence, {"too_little_evidence", "too little evidence", false, 0.0}},
-    RefusalRow{Refusal::unphysical, {"unphysical", "its sign is unphysical", false, 0.0}},
+    RefusalRow{Refusal::unphysical, {"unphysical", "its sign or its size is unphysical", false, 0.0}},
     RefusalRow{Refusal::leads, {"leads", "the output leads the reference", false, 0.0}},
     RefusalRow{Refusal::in_step, {"in_step", "with what is carried along, output and reference are in step", false, 0.0}},
     RefusalRow{Refusal::jitter, {"jitter", "it flattens the noise of the reference where the force stands still", false, 0.0}},
