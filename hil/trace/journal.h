@@ -43,7 +43,7 @@ struct JournalFrame {
 
 /// Writes frames. Buffered bytes go to the operating system at each half second of recorded time (they then survive
 /// `kill -9`), and to the disk once a second of wall time by a thread of its own (they then survive a power cut).
-/// Memory: half a second of recording, at most 1 MB. Errors: io (a full disk is reported by the append that met it;
+/// Memory: half a second of recording, at most 1 MB. Errors: io (a full disk is reported by the append that met it
 /// and by every call after it; the file stays readable up to there).
 class JournalWriter {
  public:

@@ -104,8 +104,10 @@ std::vector<double> residual_on_rows(const Workspace& w, const MixedFit& fit, st
     all.wanted.clear();
     for (const Candidate& c : channel.candidates) {
       Eigen::VectorXd strength = Eigen::VectorXd::Zero(c.count);
-      for (int j = 0; j < c.count; ++j)
-        strength[j] = taken_off(c.first + j) + (fit.place_of(c.first + j) ? coefficient[*fit.place_of(c.first + j)] : 0.0);
+      for (int j = 0; j < c.count; ++j) {
+        const auto at = fit.place_of(c.first + j);
+        strength[j] = taken_off(c.first + j) + (at ? coefficient[*at] : 0.0);
+      }
       if (strength.isZero(0.0)) continue;
       Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(static_cast<Index>(all.rows()), c.count);
       c.form->columns(w.input, all, c.shape, columns);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <optional>
 
+#include <fmt/format.h>
+
 #include "hil/base/plain_number.h"
 #include "hil/base/quantile.h"
 #include "hil/diagnose/raw/held_codes.h"
@@ -41,7 +43,7 @@ std::optional<HealthClaim> claim_of_hum(const std::vector<RecordHealth>& health,
         line_Hz.push_back(h.hum_Hz);
       }
     const double middle_V = quantile(amplitude_V, 0.5);
-    return HealthClaim{"hum", 0.95, "a line at " + plain_number(quantile(line_Hz, 0.5)) + " Hz stands in the output and not in the force",
+    return HealthClaim{"hum", 0.95, fmt::format("a line at {:.4g} Hz stands in the output and not in the force", quantile(line_Hz, 0.5)),
                        "amplitude_V", scales.unit, middle_V, 0.1 * middle_V};
   }
   return std::nullopt;

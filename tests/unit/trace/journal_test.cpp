@@ -41,6 +41,18 @@ Result<void> record(TraceRecorder& recorder, int from, int n) {
   return recorder.append(t, std::vector<ColumnView>{f, u});
 }
 
+// Bytes of 1000 rows in frames of ten, never closed; "": it could not be written.
+std::string interrupted_journal(const fs::path& folder) {
+  {
+    auto recorder = TraceRecorder::create(folder / "r.h5", small_header());
+    if (!recorder) return "";
+    for (int i = 0; i < 1000; i += 10)
+      if (!record(*recorder, i, 10)) return "";
+  }
+  std::ifstream file(folder / "r.fgj", std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
 TEST_F(Journal, ARecordingBecomesAnHdf5FileAndTheJournalGoes) {
   auto recorder = TraceRecorder::create(folder_ / "r.h5", small_header());
   ASSERT_TRUE(recorder);
@@ -66,13 +78,8 @@ TEST_F(Journal, ARecordingBecomesAnHdf5FileAndTheJournalGoes) {
 }
 
 TEST_F(Journal, AJournalCutAnywhereGivesTheWholeFramesBefore) {
-  {
-    auto recorder = TraceRecorder::create(folder_ / "r.h5", small_header());
-    ASSERT_TRUE(recorder);
-    for (int i = 0; i < 1000; i += 10) ASSERT_TRUE(record(*recorder, i, 10));
-  }
-  std::ifstream file(folder_ / "r.fgj", std::ios::binary);
-  const std::string whole((std::istreambuf_iterator<char>(file)), {});
+  const std::string whole = interrupted_journal(folder_);
+  ASSERT_FALSE(whole.empty());
   const std::size_t frame = 24 + 4 + 10 * 14 + 4, header = whole.size() - 100 * frame;
   for (std::size_t cut = header; cut <= whole.size(); cut += 37) {
     std::ofstream(folder_ / "cut.fgj", std::ios::binary) << whole.substr(0, cut);
@@ -88,13 +95,8 @@ TEST_F(Journal, AJournalCutAnywhereGivesTheWholeFramesBefore) {
 }
 
 TEST_F(Journal, ADamagedFrameIsSkippedCountedAndLeavesAGap) {
-  {
-    auto recorder = TraceRecorder::create(folder_ / "r.h5", small_header());
-    ASSERT_TRUE(recorder);
-    for (int i = 0; i < 1000; i += 10) ASSERT_TRUE(record(*recorder, i, 10));
-  }
-  std::ifstream file(folder_ / "r.fgj", std::ios::binary);
-  const std::string whole((std::istreambuf_iterator<char>(file)), {});
+  const std::string whole = interrupted_journal(folder_);
+  ASSERT_FALSE(whole.empty());
   const std::size_t frame = 24 + 4 + 10 * 14 + 4, header = whole.size() - 100 * frame;
   Rng rng(8, "flip");
   for (int run = 0; run < 60; ++run) {
