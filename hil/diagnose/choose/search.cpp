@@ -74,16 +74,17 @@ Selection select_borne_out(Workspace& w, const Given& given, std::vector<std::st
   };
   Selection out = select(false);
   constexpr int kMostTimes = 2;
-  std::vector<ChosenEffect> set_aside;
+  std::vector<ChosenEffect> gave_way;
   for (int time = 0; time < kMostTimes && out.base.valid; ++time) {
     std::vector<Finding> idle = not_borne_out(w.output, out);
     if (idle.empty()) break;
     for (const Finding& f : idle) skip.push_back(f.effect);
-    std::ranges::copy_if(out.chosen, std::back_inserter(set_aside), [](const ChosenEffect& c) { return !c.borne_out; });
+    const std::vector<ChosenEffect> before = out.chosen;
     if (!select_anew(w, out, [&] { return select(true); }, [](const Selection& s) { return s.base.valid; })) break;
+    std::ranges::copy_if(before, std::back_inserter(gave_way), [](const ChosenEffect& c) { return !c.borne_out; });
     std::move(idle.begin(), idle.end(), std::back_inserter(suspicions));
   }
-  share_with_idle(set_aside, out);
+  share_with_idle(gave_way, out);
   return out;
 }
 
