@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "hil/diagnose/answer/opened_contact.h"
-#include "hil/diagnose/answer/verdict.h"
+#include "hil/diagnose/answer/remainder.h"
 #include "hil/diagnose/base/open_contact.h"
 #include "hil/diagnose/base/whole_recording.h"
 #include "hil/diagnose/base_errors.h"

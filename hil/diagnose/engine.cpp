@@ -4,11 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "hil/diagnose/answer/capacitance_witness.h"
 #include "hil/diagnose/answer/decay_course.h"
-#include "hil/diagnose/answer/explains_little.h"
 #include "hil/diagnose/answer/findings.h"
 #include "hil/diagnose/answer/guessed_effects.h"
 #include "hil/diagnose/answer/late_drive.h"
@@ -18,14 +16,15 @@
 #include "hil/diagnose/answer/pictures.h"
 #include "hil/diagnose/answer/ranking.h"
 #include "hil/diagnose/answer/record_errors.h"
+#include "hil/diagnose/answer/remainder.h"
 #include "hil/diagnose/answer/reservation.h"
 #include "hil/diagnose/answer/unloaded_zero.h"
 #include "hil/diagnose/answer/verdict.h"
 #include "hil/diagnose/answer/wide_scatter.h"
+#include "hil/diagnose/answer/withdrawals.h"
 #include "hil/diagnose/base_errors.h"
 #include "hil/diagnose/base/whole_recording.h"
 #include "hil/diagnose/choose/outdone.h"
-#include "hil/diagnose/choose/reference_witness.h"
 #include "hil/diagnose/choose/search.h"
 #include "hil/model/lagged_channel.h"
 
@@ -54,6 +53,8 @@ ErrorPair errors_of_rig(const Workspace& w, const Selection& rig) {
   return {error(rig.base), error(rig.claimed.valid ? rig.claimed : rig.final), "N", levels};
 }
 
+bool rig_is_judged(const Workspace& w, const Search& search) { return w.has_rig && search.rig.base.valid; }
+
 // What every channel and the raw samples have to say, in no order yet.
 void collect_findings(const Workspace& w, const Search& search, const Remainder& rest, Diagnosis& out) {
   constexpr double kHalf = 0.5, kNamedEnough = 0.6, kOfRig = 0.51;
@@ -63,7 +64,7 @@ void collect_findings(const Workspace& w, const Search& search, const Remainder&
   for (Finding& f : out.findings)
     if (f.effect == "reference_drift" && f.of_output() && !w.rig_sees_zero) decide_by_capacitance(w.input, f);
   for (const HealthClaim& claim : w.raw_claims) out.findings.push_back(of_raw_samples(claim, w.output.unit));
-  if (w.has_rig && search.rig.base.valid) {
+  if (rig_is_judged(w, search)) {
     const Selection& rig = search.rig;
     add_findings(w, w.rig, rig, std::max(rig.excess_before > 0.0 ? 1.0 - rig.excess_after / rig.excess_before : 1.0, kOfRig), out);
     if (!rig.chosen.empty()) out.errors["F"] = errors_of_rig(w, rig);
@@ -93,27 +94,19 @@ void put_in_order(std::vector<Finding>& findings) {
   findings = std::move(unique);
 }
 
-// What passed every test within the records and was not borne out by left-out ones, a free course over the campaign that was, or rivals that
-// hold most of the probability together, are no "none": there is something, and its name is open.
-bool name_is_open(const Diagnosis& d, const std::vector<Finding>& not_borne_out) {
-  constexpr double kTogether = 0.8;
-  if (std::ranges::any_of(not_borne_out, [](const Finding& f) { return !f.between_records; })) return true;
-  if (std::ranges::any_of(d.findings, [](const Finding& f) { return f.name_is_open && f.probability >= kNoClaim; })) return true;
-  return std::ranges::any_of(d.not_separable, [&](const std::vector<std::string>& set) {
-    double together = 0.0;
-    for (const Finding& f : d.findings)
-      if (std::ranges::find(set, f.effect) != set.end()) together += f.probability;
-    return together >= kTogether;
-  });
-}
-
-void tell_records_far_above(Diagnosis& out) {
+void tell_records_far_above(const Workspace& w, const Remainder& rest, Diagnosis& out) {
   constexpr std::size_t kNamed = 4;
+  for (const RecordAbove& above : rest.records_far_above) out.far_above.push_back({w.input.records[above.record].name, above.times});
+  const std::size_t n = out.far_above.size();
+  const bool tells = out.verdict == DiagnosisVerdict::unknown ? rest.leaves_far_more() : out.verdict == DiagnosisVerdict::none && n > 0;
+  if (!tells) return;
   std::string text;
-  for (std::size_t k = 0; k < std::min(kNamed, out.far_above.size()); ++k)
+  for (std::size_t k = 0; k < std::min(kNamed, n); ++k)
     text += fmt::format("{}{} ({:.2g} times)", k == 0 ? "" : ", ", out.far_above[k].record, out.far_above[k].times);
-  if (out.far_above.size() > kNamed) text += fmt::format(" and {} more", out.far_above.size() - kNamed);
+  if (n > kNamed) text += fmt::format(" and {} more", n - kNamed);
   out.notes.push_back("far above what their instruments may leave: " + text);
+  if (out.verdict == DiagnosisVerdict::none && n == 1)
+    out.notes.emplace_back("it is the only one, and what no other record shows is no claim: look at its page, and record the like again");
 }
 
 // What no claim between the records explains, and is far more than a specimen repeats to.
@@ -136,30 +129,20 @@ void tell_wide_scatter(const Workspace& w, const Selection& selection, Diagnosis
   out.follows = {scatter->follows};
 }
 
-// Spikes are told apart from what is left without them. Where that stands far above the noise and has no name, they may be its tips: the
-// slips of a film that sticks. True when they were withdrawn.
-bool withdraw_tips(const Remainder& rest, std::vector<Finding>& findings) {
-  constexpr std::size_t kSeveralRecords = 2;
-  if (!rest.structured() && !(rest.far_above && rest.records_far_above.size() >= kSeveralRecords)) return false;
-  const auto is_tip = [](const Finding& f) { return f.effect == "outliers" && f.of_samples(); };
-  if (std::ranges::any_of(findings, [&](const Finding& f) { return !is_tip(f) && f.claimed(); })) return false;
-  bool out = false;
-  for (Finding& f : findings)
-    if (is_tip(f) && f.claimed())
-      out |= f.limit(kWithdrawn, "what is left without them is far above the noise, and they may belong to it");
-  return out;
+// The model's own effects are no candidates, nor are their other forms: where its forms leave far more than the instruments may and others of the
+// same families do not, nothing is chosen, and yet it is no "none".
+bool form_falls_short(const EngineOptions& options, const Selection& selection, const Remainder& rest) {
+  return !options.in_model.empty() && selection.chosen.empty() && rest.beside_claims && !rest.far_above;
 }
 
-// Beside structure without a name a second claim may be part of it: on nine draws of three outside generators 9 of 12 were true, and 51 of 53
-// first ones.
-void doubt_later_claims(std::vector<Finding>& findings) {
-  constexpr double kLater = 0.75;
-  bool first = true;
-  for (Finding& f : findings) {
-    if (!f.claimed() || !f.of_output()) continue;
-    if (!first) f.limit(kLater, "what is left has no name, and it may be part of it");
-    first = false;
-  }
+OpenPoints open_points(const Workspace& w, const EngineOptions& options, const Search& search, const Remainder& rest, const Withdrawals& withdrawn,
+                       const Diagnosis& out) {
+  return {.follows_no_force = !follows_force(w.output, search.output.base),
+          .form_falls_short = form_falls_short(options, search.output, rest),
+          .structure_is_left = rest.structured(),
+          .claims_withdrawn = withdrawn.any(),
+          .name_is_open = name_is_open(out, search.suspicions),
+          .leaves_far_more = rest.leaves_far_more()};
 }
 
 // In the words of what explains most of it, and its coordinate before those of the maps.
@@ -173,14 +156,34 @@ void tell_what_it_follows(const std::vector<Outdone>& outdone, Diagnosis& out) {
   if (out.depends_on.size() > kMost) out.depends_on.resize(kMost);
 }
 
-// The model's own effects are no candidates, nor are their other forms: where its forms leave far more than the instruments may and others of the
-// same families do not, nothing is chosen, and yet it is no "none".
-bool form_falls_short(const EngineOptions& options, const Selection& selection, const Remainder& rest) {
-  return !options.in_model.empty() && selection.chosen.empty() && rest.beside_claims && !rest.far_above;
+// What has no name yet: what it depends on.
+void tell_dependences(const EngineOptions& options, const OpenPoints& open, const Withdrawals& withdrawn, Diagnosis& out) {
+  const bool unknown = out.verdict == DiagnosisVerdict::unknown;
+  // where all claims were withdrawn, what they soak up is unknown too
+  if (unknown || out.residual_unknown) out.depends_on = depends_on(unknown && withdrawn.any() ? out.maps : out.maps_after);
+  if (!out.depends_on.empty()) tell_what_it_follows(withdrawn.outdone, out);
+  if (unknown && open.form_falls_short)
+    out.follows.insert(out.follows.begin(), fmt::format("another form of what the model has ({})", fmt::join(options.in_model, ", ")));
+  if (unknown && withdrawn.of_reference) out.follows.insert(out.follows.begin(), "an error of the reference itself");
 }
 
-void tell_form_falls_short(const EngineOptions& options, Diagnosis& out) {
-  out.follows.insert(out.follows.begin(), fmt::format("another form of what the model has ({})", fmt::join(options.in_model, ", ")));
+void add_errors_of_samples(Diagnosis& out) {
+  for (Finding& f : out.findings)
+    if (f.of_samples()) {
+      f.error_before = out.error_before;
+      f.error_after = out.error_after;
+    }
+}
+
+void tell_coloured_noise(const Remainder& rest, Diagnosis& out) {
+  if (rest.coloured && rest.smooth)
+    out.notes.push_back(fmt::format("the noise of the output hangs together over time ({:.2g} % of the span, RMS), of one size in every record whatever the load does",
+                                    100.0 * rest.structure_rms));
+}
+
+Repeatability repeatability_of(const Workspace& w, const MixedFit& fit) {
+  const auto sd = [&](int k) { return std::sqrt(fit.variance[k]); };
+  return {sd(0), sd(1) * w.output.scale, sd(2), sd(3)};
 }
 
 void add_null_scores(const Workspace& w, const Search& search, unsigned threads, Diagnosis& out) {
@@ -190,6 +193,14 @@ void add_null_scores(const Workspace& w, const Search& search, unsigned threads,
   out.expected_false = null.expected_false;
   for (RankedEffect& r : out.ranking)
     if (const auto found = null.score.find(r.effect); found != null.score.end()) r.null_score = found->second;
+}
+
+// The null scores are of the output's.
+void add_rankings(const Workspace& w, const Search& search, unsigned threads, Diagnosis& out) {
+  add_ranking(w.input, w.output, search.output, search.rules, out);
+  add_null_scores(w, search, threads, out);
+  if (rig_is_judged(w, search)) add_ranking(w.input, w.rig, search.rig, search.rig_rules, out);
+  if (w.has_command && search.drive.base.valid) add_ranking(w.input, w.command, search.drive, search.drive_rules, out);
 }
 
 // A family may come up, and be turned down, once for every model that it is tried beside.
@@ -220,8 +231,7 @@ Result<Diagnosis> compare_workspace(Workspace& w, const EngineOptions& options) 
   Selection of_base;
   of_base.base = of_base.claimed = base;
   add_records(w, of_base, out);
-  const auto sd = [&](int k) { return std::sqrt(base.variance[k]); };
-  out.repeatability = {sd(0), sd(1) * w.output.scale, sd(2), sd(3)};
+  out.repeatability = repeatability_of(w, base);
   if (options.pictures) add_pictures(w, Search{}, base, options.threads, out);
   return out;
 }
@@ -237,74 +247,39 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   if (!selection.base.valid)
     return undetermined(w);
   const Remainder rest = remainder_of(w, selection, options.threads);
-  out.maps_after = rest.maps;
 
   collect_findings(w, search, rest, out);
-  const std::vector<Outdone> outdone = outdone_by_unnamed(w.input, w.output, selection, rest.structured(), options.threads);
-  withdraw_outdone(outdone, out);
-  const bool some_outdone = std::ranges::any_of(outdone, [](const Outdone& o) { return !o.effects.empty(); });
-  const AgainstReference against = against_reference(w.input, w.output, selection, options.threads);
-  withdraw_against_reference(against, out);
-  const bool withdrawn = withdraw_what_explains_little(w.output, selection, rest, w.judges, out.findings) || some_outdone || !against.effects.empty();
-  // a noisy reference bends and delays everything that is regressed on it: nothing else is claimed beside it
-  if (std::ranges::any_of(w.raw_claims, [](const HealthClaim& c) { return c.effect == "reference_noise"; }))
-    for (Finding& f : out.findings)
-      if (!f.of_samples()) f.limit(0.5 * f.probability, "the noise of the reference bends and delays whatever is compared with it");
-  const bool tips = withdraw_tips(rest, out.findings);
+  const Withdrawals withdrawn = withdraw(w, selection, rest, options.threads, out);
   put_in_order(out.findings);
   tell_not_separable(selection, out);
-  if (w.has_rig && search.rig.base.valid) tell_not_separable(search.rig, out);
+  if (rig_is_judged(w, search)) tell_not_separable(search.rig, out);
 
-  const bool claims = std::ranges::any_of(out.findings, [](const Finding& f) { return f.claimed(); });
-  if (std::ranges::none_of(out.findings, [](const Finding& f) { return f.claimed() && f.of_reference(); })) out.errors.erase("F");
-  const bool follows = follows_force(w.output, selection.base);
-  if (!follows) out.notes.emplace_back("the output hardly follows the force: is the sensor connected, and is this its column? --map NAME=U_V names another");
-  const bool short_of = form_falls_short(options, selection, rest);
-  const bool open = !follows || short_of || rest.structured() || withdrawn || tips || name_is_open(out, search.suspicions) || rest.leaves_far_more();
-  out.verdict = claims ? DiagnosisVerdict::known : open ? DiagnosisVerdict::unknown : DiagnosisVerdict::none;
-  for (const RecordAbove& above : rest.records_far_above) out.far_above.push_back({w.input.records[above.record].name, above.times});
-  const bool tells_far_above = out.verdict == DiagnosisVerdict::unknown ? rest.leaves_far_more() : out.verdict == DiagnosisVerdict::none && !out.far_above.empty();
-  if (tells_far_above) tell_records_far_above(out);
-  if (out.verdict == DiagnosisVerdict::none && out.far_above.size() == 1)
-    out.notes.emplace_back("it is the only one, and what no other record shows is no claim: look at its page, and record the like again");
+  const OpenPoints open = open_points(w, options, search, rest, withdrawn, out);
+  if (open.follows_no_force) out.notes.emplace_back("the output hardly follows the force: is the sensor connected, and is this its column? --map NAME=U_V names another");
+  out.verdict = verdict_of(out.findings, open);
+  tell_records_far_above(w, rest, out);
   // what the user gets who takes the findings in, not what all forms of their families soak up beside them
   add_records(w, selection, out);
-  out.residual_unknown = claims && (rest.beside_claims || some_outdone || most_stays(w, out));
+  out.residual_unknown = out.verdict == DiagnosisVerdict::known && (rest.beside_claims || withdrawn.some_outdone() || most_stays(w, out));
   if (out.residual_unknown) doubt_later_claims(out.findings);
+  out.maps = residual_maps(w, residual_rows(w.output, selection.base), options.threads);
+  out.maps_after = rest.maps;
+  tell_dependences(options, open, withdrawn, out);
 
-  const auto residual = residual_rows(w.output, selection.base);
-  out.maps = residual_maps(w, residual, options.threads);
-  // where all claims were withdrawn, what they soak up is unknown too
-  if (out.verdict == DiagnosisVerdict::unknown || out.residual_unknown)
-    out.depends_on = depends_on(withdrawn && !claims ? out.maps : out.maps_after);
-  if (!out.depends_on.empty()) tell_what_it_follows(outdone, out);
-  if (short_of && out.verdict == DiagnosisVerdict::unknown) tell_form_falls_short(options, out);
-  if (!against.effects.empty() && out.verdict == DiagnosisVerdict::unknown) out.follows.insert(out.follows.begin(), "an error of the reference itself");
   add_steps(w, selection, out);
-  for (Finding& f : out.findings)
-    if (f.of_samples()) {
-      f.error_before = out.error_before;
-      f.error_after = out.error_after;
-    }
-  add_ranking(w.input, w.output, selection, search.rules, out);
-  if (rest.coloured && rest.smooth) {
-    char text[160];
-    std::snprintf(text, sizeof text, "the noise of the output hangs together over time (%.2g %% of the span, RMS), of one size in every record whatever the load does",
-                  100.0 * rest.structure_rms);
-    out.notes.emplace_back(text);
-  }
-  add_null_scores(w, search, options.threads, out);
-  if (w.has_rig && search.rig.base.valid) add_ranking(w.input, w.rig, search.rig, search.rig_rules, out);
-  if (w.has_command && search.drive.base.valid) add_ranking(w.input, w.command, search.drive, search.drive_rules, out);
+  add_errors_of_samples(out);
+  if (std::ranges::none_of(out.findings, [](const Finding& f) { return f.claimed() && f.of_reference(); })) out.errors.erase("F");
+  tell_coloured_noise(rest, out);
+  add_rankings(w, search, options.threads, out);
   if (!w.input.single) tell_visible_from(out);
-  const auto sd = [&](int k) { return std::sqrt(selection.final.variance[k]); };
-  out.repeatability = {sd(0), sd(1) * w.output.scale, sd(2), sd(3)};
-  claim_unloaded_zero(w, selection.claimed.valid ? selection.claimed : selection.base, out);
+  const MixedFit& claimed = selection.claimed.valid ? selection.claimed : selection.base;
+  out.repeatability = repeatability_of(w, selection.final);
+  claim_unloaded_zero(w, claimed, out);
   tell_wide_scatter(w, selection, out);
   tell_decay(w, selection.final, options.threads, out);
   add_refused(search, out);
   suspect_refused(w, search.rules, out);
-  tell_guessed_effects(w, selection.claimed.valid ? selection.claimed : selection.base, search.rules.first_gain, out);
+  tell_guessed_effects(w, claimed, search.rules.first_gain, out);
   state_probabilities(out);
   if (options.pictures) add_pictures(w, search, selection.claimed, options.threads, out);
   return out;

@@ -15,7 +15,7 @@
 #include "hil/app/model/compare.h"
 #include "hil/base/rng.h"
 #include "hil/diagnose/answer/residual_map.h"
-#include "hil/diagnose/answer/verdict.h"
+#include "hil/diagnose/answer/remainder.h"
 #include "hil/diagnose/base/base_fit.h"
 #include "hil/diagnose/candidates/signatures.h"
 #include "hil/diagnose/choose/screen.h"

@@ -8,7 +8,7 @@
 
 #include "hil/base/portable_math.h"
 #include "hil/base/quantile.h"
-#include "hil/diagnose/answer/verdict.h"
+#include "hil/diagnose/answer/remainder.h"
 #include "hil/model/record_input.h"
 
 namespace forcegate::diagnose {

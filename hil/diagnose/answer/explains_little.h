@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "hil/diagnose/answer/verdict.h"
+#include "hil/diagnose/answer/remainder.h"
 #include "hil/diagnose/choose/select.h"
 #include "hil/diagnose/diagnosis.h"
 #include "hil/diagnose/workspace.h"

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "hil/diagnose/answer/verdict.h"
+#include "hil/diagnose/answer/remainder.h"
 #include "hil/diagnose/base/judge.h"
 #include "hil/diagnose/choose/borne_out.h"
 #include "hil/diagnose/choose/select.h"

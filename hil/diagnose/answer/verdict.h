@@ -1,55 +1,29 @@
 #pragma once
-// S7 and S9: what is noise, what is structure without a name, how sure a named effect is.
+// S9: known, unknown or none.
 
-#include "hil/diagnose/answer/residual_map.h"
-#include "hil/diagnose/choose/select.h"
-#include "hil/diagnose/workspace.h"
+#include <vector>
+
+#include "hil/diagnose/diagnosis.h"
 
 namespace forcegate::diagnose {
 
-struct Structure {
-  double rms = 0.0;         ///< RMS of what is smoother than noise, share of the span
-  double share = 0.0;       ///< of the residual's mean square
-  std::size_t records = 0;  ///< records that show it
-  std::size_t of_records = 0;
+/// What keeps an answer without a claim from being "none".
+struct OpenPoints {
+  bool follows_no_force = false;   ///< the output hardly follows the force (remainder.h)
+  bool form_falls_short = false;   ///< the model has the effect, and its form leaves far more than the instruments may
+  bool structure_is_left = false;  ///< Remainder::structured()
+  bool claims_withdrawn = false;   ///< there was a claim, and something without a name explains more (withdrawals.h)
+  bool name_is_open = false;       ///< there is something that any of several effects makes, or none was borne out
+  bool leaves_far_more = false;    ///< Remainder::leaves_far_more()
+
+  bool any() const { return follows_no_force || form_falls_short || structure_is_left || claims_withdrawn || name_is_open || leaves_far_more; }
 };
 
-/// Structure left in a residual (rows of every record): mean squares above the known noise that hang together over rows.
-Structure structure_of(const ResidualChannel& channel, const std::vector<std::vector<double>>& residual);
+/// Known where anything is claimed, unknown where a point is open, else none.
+DiagnosisVerdict verdict_of(const std::vector<Finding>& findings, const OpenPoints& open);
 
-struct RecordAbove {
-  std::size_t record = 0;  ///< of the workspace's input
-  double times = 0.0;      ///< RMS of what is left over that of what the instruments may leave
-  double rms = 0.0;        ///< of what is left, share of the span
-};
-
-/// What a choice leaves of the output, beside what its instruments may.
-struct Remainder {
-  std::vector<std::vector<double>> of_claimed;  ///< residual of the chosen variants alone, per record, in the output's unit
-  std::vector<ResidualMap> maps;                ///< of the residual of all forms of the chosen families
-  std::vector<char> of_hum;                     ///< 1: what is left in this record is hum (hil/diagnose/raw/folded_hum.h)
-  double noise_rms = 0.0;                       ///< what the instruments may leave, share of the span
-  double structure_rms = 0.0;                   ///< smoother than noise, share of the span
-  double explained = 1.0;     ///< share of what the noise does not explain that all forms of the chosen families take
-  bool smooth = false;        ///< visible beside the noise, large enough to matter and not one record's whim
-  bool coloured = false;      ///< but noise that hangs together over time
-  std::vector<RecordAbove> records_far_above;  ///< of which all forms leave more than 2.5 times what the instruments may, the farthest first
-  bool far_above = false;     ///< so are all records together, or the typical one; or two with 5 times
-  bool one_far_off = false;   ///< one record, no part of a single recording, stands so far above that all do, by a hundredth of the span
-  bool beside_claims = false;  ///< structure remains beside what would be claimed
-
-  bool structured() const { return smooth && !coloured; }
-  /// More than one record's whim, or one that is far off.
-  bool leaves_far_more() const { return records_far_above.size() > 1 || one_far_off; }
-};
-
-Remainder remainder_of(const Workspace& workspace, const Selection& selection, unsigned threads);
-
-/// Whether the law of `fit`, each record with its own gain, zero and decay, explains a tenth of the output's variance about one zero, or the
-/// output does not move. Otherwise nothing can be said to be missing, nor that nothing is: noise about a zero is what its mean leaves.
-bool follows_force(const ResidualChannel& output, const MixedFit& fit);
-
-/// Groups of coordinates that the residual depends on, at most three; "time" when nothing else explains it.
-std::vector<std::string> depends_on(const std::vector<ResidualMap>& maps);
+/// What passed every test within the records and was not borne out by left-out ones, a free course over the campaign that was, or rivals that
+/// hold most of the probability together, are no "none": there is something, and its name is open.
+bool name_is_open(const Diagnosis& diagnosis, const std::vector<Finding>& not_borne_out);
 
 }  // namespace forcegate::diagnose
