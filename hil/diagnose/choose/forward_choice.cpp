@@ -49,11 +49,8 @@ class ForwardChoice {
         if (!carry_along(family, clocks)) return;
         continue;
       }
-      const Refusal why = lead.plain() || (leads_ && family.kind->traits.late)
-                                  ? Refusal::leads
-                              : only_repairs_smoothing(family) && !lead.loaded
-                                  ? Refusal::in_step
-                                  : objection(channel_, result_, family, chosen, out_.chosen, largest_removed_, rules_);
+      const auto [why, stands_out] = speaks_against(family, chosen, lead);
+      chosen.stands_out = stands_out;
       if (why == Refusal::differs && agrees_beside_leads(family, chosen)) {
         if (!carry_along(family, Clocks::late_reference)) return;
         continue;
@@ -110,6 +107,12 @@ class ForwardChoice {
     // what a late reference explains nearly as well is its own, whatever else may fit
     const bool nearly = !lead.loaded && latencies_ == 0 && first && place_ == 0 && is_nearly_latency(channel_, result_);
     return nearly || (worth && is_reference_latency(channel_, family)) ? Clocks::late_reference : Clocks::no;
+  }
+
+  Objection speaks_against(const FamilyScore& family, const ChosenEffect& chosen, const Lead& lead) const {
+    if (lead.plain() || (leads_ && family.kind->traits.late)) return {Refusal::leads};
+    if (only_repairs_smoothing(family) && !lead.loaded) return {Refusal::in_step};
+    return objection(channel_, result_, family, chosen, out_.chosen, largest_removed_, rules_);
   }
 
   // A wheel that turns at a constant speed loads as fast as it pushes sideways, and a late reference takes part of such an effect for its own,

@@ -44,9 +44,11 @@ void reconsider(const CampaignInput& input, ResidualChannel& channel, const std:
     while (at < again.families.size() && (again.families[at].best.wrong_sign || again.families[at].kind->traits.between_records)) ++at;
     if (at == again.families.size()) continue;
     ChosenEffect better = as_chosen(input, channel, again.base, again.families[at], rules);
-    if (better.kind != place.kind &&
-        objection(channel, again, again.families[at], better, others, removed, rules) != Refusal::none)
-      continue;
+    if (better.kind != place.kind) {
+      const Objection against = objection(channel, again, again.families[at], better, others, removed, rules);
+      if (against.why != Refusal::none) continue;
+      better.stands_out = against.stands_out;
+    }
     set_shares(channel, again, at, rules, !others.empty(), better);
     if (better.kind == place.kind) {
       // how it entered stays what it was judged by

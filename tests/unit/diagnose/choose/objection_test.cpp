@@ -119,7 +119,7 @@ TEST(Objection, GivesEachReasonForItsCauseAlone) {
     Asked a(row.stands);
     ASSERT_TRUE(a.result.base.valid && a.family.best.fit.valid);
     row.change(a);
-    EXPECT_EQ(traits_of(objection(a.channel, a.result, a.family, a.chosen, a.earlier, a.removed_before, a.rules)).code, traits_of(row.refusal).code) << row.where;
+    EXPECT_EQ(traits_of(objection(a.channel, a.result, a.family, a.chosen, a.earlier, a.removed_before, a.rules).why).code, traits_of(row.refusal).code) << row.where;
   }
 }
 
@@ -134,7 +134,7 @@ TEST(Objection, ACurveBesideALoopIsJudgedByTheLoopsForm) {
   a.kind.name = "static_nonlinearity";
   a.took(a.loop, false);
   a.removed_before = 0.1;
-  EXPECT_EQ(objection(a.channel, a.result, a.family, a.chosen, a.earlier, a.removed_before, a.rules), Refusal::none) << "it is larger than a quarter of the loop";
+  EXPECT_EQ(objection(a.channel, a.result, a.family, a.chosen, a.earlier, a.removed_before, a.rules).why, Refusal::none) << "it is larger than a quarter of the loop";
 }
 
 }  // namespace
