@@ -9,7 +9,16 @@
 namespace forcegate {
 namespace {
 
+constexpr std::size_t kLongestText = 1u << 26;
+
+// Reading fills as many items as the file says: only one has room.
+bool holds_one_item(hid_t space_of_it) {
+  Hdf5Handle space(space_of_it, H5Sclose);
+  return space.good() && H5Sget_simple_extent_npoints(space) == 1;
+}
+
 std::optional<std::string> text_of(hid_t attribute) {
+  if (!holds_one_item(H5Aget_space(attribute))) return std::nullopt;
   Hdf5Handle type(H5Aget_type(attribute), H5Tclose);
   if (!type.good() || H5Tget_class(type) != H5T_STRING) return std::nullopt;
   if (H5Tis_variable_str(type) > 0) {  // as h5py writes them
@@ -19,8 +28,9 @@ std::optional<std::string> text_of(hid_t attribute) {
     H5free_memory(text);
     return out;
   }
+  if (H5Tget_size(type) > kLongestText) return std::nullopt;
   std::string out(H5Tget_size(type), '\0');
-  if (out.size() > (1u << 20) || H5Aread(attribute, type, out.data()) < 0) return std::nullopt;
+  if (H5Aread(attribute, type, out.data()) < 0) return std::nullopt;
   out.resize(std::min(out.size(), out.find('\0')));
   return out;
 }
@@ -35,7 +45,7 @@ std::optional<double> number_attribute(hid_t object, const char* name) {
   if (H5Aexists(object, name) <= 0) return std::nullopt;
   Hdf5Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
   double value = 0.0;
-  if (!attribute.good() || H5Aread(attribute, H5T_NATIVE_DOUBLE, &value) < 0) return std::nullopt;
+  if (!attribute.good() || !holds_one_item(H5Aget_space(attribute)) || H5Aread(attribute, H5T_NATIVE_DOUBLE, &value) < 0) return std::nullopt;
   return value;
 }
 
@@ -185,9 +195,10 @@ class Reader {
     H5Aiterate2(meta, H5_INDEX_NAME, H5_ITER_INC, nullptr, collect_text, &trace_.provenance);
     for (const std::string& link : links_of(meta)) {
       Hdf5Handle data(H5Dopen2(meta, link.c_str(), H5P_DEFAULT), H5Dclose);
-      if (!data.good()) continue;
+      if (!data.good() || !holds_one_item(H5Dget_space(data))) continue;
       Hdf5Handle type(H5Dget_type(data), H5Tclose);
       if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) > 0) continue;
+      if (H5Tget_size(type) > kLongestText) continue;
       std::string text(H5Tget_size(type), '\0');
       if (H5Dread(data, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()) >= 0)
         trace_.provenance[link] = std::move(text);
