@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
-#include <iterator>
 #include <limits>
 
 #include "hil/base/arrival_clock.h"
@@ -17,6 +16,7 @@
 #include "hil/base/read_file.h"
 #include "hil/base/text.h"
 #include "hil/base/utc_clock.h"
+#include "hil/rig/bench/passed_readings.h"
 #include "hil/rig/bench/swing_counter.h"
 #include "hil/rig/bench_session.h"
 #include "hil/rig/slow_move.h"
@@ -30,6 +30,7 @@ constexpr double kPeriod_s = 0.01;       // between two looks at the drive
 constexpr double kUsableTravel = 0.95;    // the rest is for control
 constexpr double kStartTolerance_rad = 0.02;
 constexpr double kTravelTolerance_rad = 1e-3;
+constexpr double kLongestHole = 2.0;  // in the board's samples, of the time that it may be silent
 
 class BenchRig final : public Rig, public Dut {
  public:
@@ -190,8 +191,8 @@ class BenchRig final : public Rig, public Dut {
     row_clock_.begin(info_.rate_Hz, 2.0);
     pending_.clear();
     outputs_.clear();
-    readings_.clear();
-    angles_.assign(1, {t0_s_, theta_rad_});
+    forces_.clear();
+    angles_.begin(t0_s_, theta_rad_);
     last_code_ = 0;
     force_N_ = std::numeric_limits<double>::quiet_NaN();
     offset_s_ = t0_s_ + 1.0 / info_.rate_Hz;
@@ -237,41 +238,39 @@ class BenchRig final : public Rig, public Dut {
     theta_rad_ = state.theta_rad;
     turns_.see(theta_rad_);
     motor_fault_ = state.fault;
-    angles_.push_back({state.t_s, state.theta_rad});
-    while (angles_.size() > kHistory) angles_.pop_front();
+    angles_.take(state.t_s, state.theta_rad);
     samples_.clear();
     FORCEGATE_CHECK_OK(session_->board().poll(samples_));
     for (const BoardSample& s : samples_) {
+      // longer than a board may be silent: its indices are damaged
+      if (static_cast<double>(s.index) - static_cast<double>(arrived_) > kLongestHole * bench_.limits.board_stale_s * info_.rate_Hz)
+        return fail(ErrorCode::device, fmt::format("the board's sample {} is followed by sample {}", arrived_, s.index), "board",
+                    "look for a disturbed line, and whether the board restarts or counts its samples wrongly");
       // The distance in time that a hole in the indices stands for is told by the index itself.
       for (; arrived_ < s.index; ++arrived_) {
         row_clock_.next(world.now_s());
-        pending_.push_back({static_cast<std::uint32_t>(arrived_), 0, kNaN, 0});
-        lost_.push_back(arrived_);
+        pending_.push_back({{static_cast<std::uint32_t>(arrived_), 0, kNaN, 0}, true});
       }
       offset_s_ = row_clock_.next(world.now_s()) - static_cast<double>(s.index) / info_.rate_Hz;
       ++arrived_;
-      pending_.push_back(s);
+      pending_.push_back({s, false});
     }
     fresh_.clear();
     FORCEGATE_CHECK_OK(session_->reference().poll(fresh_));
-    for (const ReferenceReading& r : fresh_) {
-      readings_.push_back(r);
-      force_N_ = static_cast<double>(r.force_N);
-    }
-    while (readings_.size() > kHistory) readings_.pop_front();
+    forces_.take(fresh_);
+    if (!fresh_.empty()) force_N_ = static_cast<double>(fresh_.back().force_N);
     return {};
   }
 
   double row_time_s(std::uint64_t index) const { return offset_s_ + static_cast<double>(index) / info_.rate_Hz; }
 
   void fill_row(RigBlock& out, std::size_t row) {
-    const BoardSample sample = pending_.front();
+    const auto [sample, lost] = pending_.front();
     pending_.pop_front();
     const double t_s = row_time_s(index_);
     out.t_s[row] = static_cast<double>(index_) / info_.rate_Hz;
     std::uint16_t status = motor_fault_ ? kRigMotorFault : 0;
-    if (!lost_.empty() && lost_.front() == index_) {
-      lost_.pop_front();
+    if (lost) {
       status |= kRigSampleLost;
       out.adc[row] = last_code_;
     } else {
@@ -280,7 +279,7 @@ class BenchRig final : public Rig, public Dut {
       while (outputs_.size() > kOutputs) outputs_.pop_front();  // a calibration asks for no forces
       if (sample.adc == 0 || sample.adc == (1U << info_.adc_bits) - 1U) status |= kRigAdcRail;
     }
-    const double theta = angle_at(t_s);
+    const double theta = angles_.at(t_s);
     out.theta_rad[row] = static_cast<float>(theta);
     if ((theta >= bench_.geometry.theta_max_rad - kTravelTolerance_rad && commanded_rad_per_s_ > 0.0) ||
         (theta <= bench_.geometry.theta_min_rad + kTravelTolerance_rad && commanded_rad_per_s_ < 0.0))
@@ -290,44 +289,14 @@ class BenchRig final : public Rig, public Dut {
     ++index_;
   }
 
-  double angle_at(double t_s) const {
-    for (std::size_t i = angles_.size(); i-- > 1;) {
-      const auto& [t1, a1] = angles_[i - 1];
-      const auto& [t2, a2] = angles_[i];
-      if (t_s < t1 && i > 1) continue;
-      if (t2 <= t1) return a2;
-      return a1 + (a2 - a1) * std::clamp((t_s - t1) / (t2 - t1), 0.0, 1.0);
-    }
-    return angles_.empty() ? theta_rad_ : angles_.front().second;
-  }
-
   // True when the value is final: a reading behind the row exists.
   bool set_force(RigBlock& out, std::size_t row, double t_s) {
     constexpr std::uint16_t kMask = kRigReferenceSaturated | kRigReferenceFault;
     out.status[row] = static_cast<std::uint16_t>(out.status[row] & ~kMask);
-    const double stale_s = bench_.limits.reference_stale_s;
-    const auto behind = std::upper_bound(readings_.begin(), readings_.end(), t_s,
-                                         [](double t, const ReferenceReading& r) { return t < r.t_s; });
-    const ReferenceReading* before = behind == readings_.begin() ? nullptr : &*std::prev(behind);
-    const ReferenceReading* after = behind == readings_.end() ? nullptr : &*behind;
-    if (before != nullptr && t_s - before->t_s > stale_s) before = nullptr;
-    if (after != nullptr && after->t_s - t_s > stale_s) after = nullptr;
-    const ReferenceReading* only = before != nullptr ? before : after;
-    if (only == nullptr) {
-      out.force_ref_N[row] = kNaN;
-      out.status[row] |= kRigReferenceFault;
-      return false;
-    }
-    if (before != nullptr && after != nullptr) {
-      const double share = (t_s - before->t_s) / std::max(1e-9, after->t_s - before->t_s);
-      out.force_ref_N[row] = static_cast<float>(static_cast<double>(before->force_N) +
-                                                share * static_cast<double>(after->force_N - before->force_N));
-      out.status[row] = static_cast<std::uint16_t>(out.status[row] | before->status | after->status);
-    } else {
-      out.force_ref_N[row] = only->force_N;
-      out.status[row] = static_cast<std::uint16_t>(out.status[row] | only->status);
-    }
-    return after != nullptr;
+    const ForceAt force = forces_.at(t_s, bench_.limits.reference_stale_s);
+    out.force_ref_N[row] = force.force_N;
+    out.status[row] = static_cast<std::uint16_t>(out.status[row] | force.status);
+    return force.is_final;
   }
 
   // Rows of this block that still stood on the last reading before them.
@@ -351,7 +320,7 @@ class BenchRig final : public Rig, public Dut {
                 "board", "flash this image, or name the program that does it under [board] flash");
   }
 
-  static constexpr std::size_t kHistory = 256, kOutputs = 8192, kRefineBack = 200;
+  static constexpr std::size_t kOutputs = 8192, kRefineBack = 200;
   BenchFile bench_;
   std::map<std::string, std::string> options_;
   RigInfo info_;
@@ -361,10 +330,14 @@ class BenchRig final : public Rig, public Dut {
   double t0_s_ = 0.0, offset_s_ = 0.0;
   std::uint64_t index_ = 0, block_first_ = 0, refined_ = 0, arrived_ = 0;
   ArrivalClock row_clock_;
-  std::deque<BoardSample> pending_, outputs_;
-  std::deque<std::uint64_t> lost_;
-  std::deque<ReferenceReading> readings_;
-  std::deque<std::pair<double, double>> angles_;
+  struct Arrival {
+    BoardSample sample;
+    bool lost;  ///< a hole in the indices stands for it
+  };
+  std::deque<Arrival> pending_;
+  std::deque<BoardSample> outputs_;
+  PassedForces forces_;
+  PassedAngles angles_;
   std::vector<BoardSample> samples_;
   std::vector<ReferenceReading> fresh_;
   std::uint16_t last_code_ = 0;
