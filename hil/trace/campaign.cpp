@@ -10,6 +10,7 @@
 #include "hil/trace/column_map.h"
 #include "hil/trace/columns.h"
 #include "hil/trace/common_clock.h"
+#include "hil/trace/compression.h"
 #include "hil/trace/conductance.h"
 #include "hil/trace/convert.h"
 #include "hil/trace/declared_facts.h"
@@ -294,6 +295,7 @@ bool is_in_counts(const Campaign& campaign) {
 Result<Campaign> read_campaign(const fs::path& path, const CampaignOptions& options) {
   FORCEGATE_TRY(Campaign campaign, read_any(path, options));
   drop_copies(campaign);
+  turn_compression_over(campaign, options.threads);
   note_contradictions(campaign);
   check_declared_facts(campaign);
   take_varied_supply(campaign);

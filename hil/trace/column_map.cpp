@@ -5,6 +5,7 @@
 #include "hil/base/text.h"
 #include "hil/trace/channels.h"
 #include "hil/trace/columns.h"
+#include "hil/trace/compression.h"
 #include "hil/trace/convert.h"
 
 namespace forcegate {
@@ -93,6 +94,7 @@ Result<TraceFile> read_mapped_trace(const std::filesystem::path& path, std::stri
   FORCEGATE_TRY(TraceFile file, read_trace(path, {columns, assumed_rate_Hz}));
   const Trace* const only[] = {&file.trace};
   FORCEGATE_CHECK_OK(check_column_map(columns, file.mapped, only, path));
+  turn_compression_over(file);
   return file;
 }
 

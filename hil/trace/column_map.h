@@ -28,7 +28,8 @@ ColumnMeaning mapped_meaning(const std::string& header, const Unit& of_header, c
 /// Maps the channels of a file that holds channels and no columns (HDF5, a journal); its clock stays what it is.
 void map_channels(TraceFile& file, const ColumnMap& map);
 
-/// read_trace() of a recording and a map whose words stand one a line, as an option of a rig or a profile holds them; every one must meet a column.
+/// read_trace() of a recording and a map whose words stand one a line, as an option of a rig or a profile holds them; every one must meet a column. Forces are turned over as in
+/// compression.h.
 Result<TraceFile> read_mapped_trace(const std::filesystem::path& path, std::string_view map, double assumed_rate_Hz = 0.0);
 
 /// "--map kgf=F_ref_kgf": what to write where no column is `name` (in `unit`), with the likeliest column.
