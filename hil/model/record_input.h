@@ -28,7 +28,7 @@ struct RecordInput {
   std::vector<double> t_s;           ///< from the start of the record
   std::vector<double> F_N, U_V;      ///< reference force and sensor output
   std::vector<double> rate_N_per_s;  ///< central difference of F_N
-  std::vector<double> theta_rad, temp_C, humidity, C_F, F_cmd_N, drive_V;
+  std::vector<double> theta_rad, temp_C, humidity, C_F, F_cmd_N, drive_V;  ///< the angle goes on over a full turn
   /// Means of sin th and cos th over each row, and of cos th behind a pole of kLateAngle_s: an angle turns within a row, and wraps
   std::vector<double> sin_theta, cos_theta, late_cos_theta;
   std::vector<std::uint8_t> ok;  ///< 0: the row touches a gap, a missing or a masked sample

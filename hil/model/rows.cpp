@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "hil/base/quantile.h"
 #include "hil/base/text.h"
@@ -29,6 +30,19 @@ const std::vector<double>& on_clock(const Trace& trace, const Channel& channel, 
     out[i] = channel.value[j] + share * (channel.value[j + 1] - channel.value[j]);
   }
   return out;
+}
+
+// An encoder that begins anew after every turn goes on here: between 6.2 and 0.1 lies 6.3, and not 3.1.
+Channel unwrapped(Channel angle) {
+  constexpr double kTurn_rad = 2.0 * std::numbers::pi;
+  double before = kMissing, turns = 0.0;
+  for (double& v : angle.value) {
+    if (!std::isfinite(v)) continue;
+    if (std::isfinite(before)) turns -= std::round((v - before) / kTurn_rad);
+    before = v;
+    v += turns * kTurn_rad;
+  }
+  return angle;
 }
 
 constexpr std::size_t kSteps = 4;  // over which rounded stamps of a uniform clock average out
@@ -199,16 +213,22 @@ Result<RecordInput> make_rows(const Record& record, std::span<const std::uint8_t
     if (follows_hole(out, r, 4.0 * out.row_step_s)) out.ok[r] = 0;
 
   const RowMeans mean{out};
-  const auto channel = [&](const char* name) -> std::vector<double> {
-    const Channel* c = trace.find(name);
-    if (c == nullptr) return {};
-    std::vector<double> rows = mean(on_clock(trace, *c, clock, room));
+  const auto rows_of = [&](const std::vector<double>& samples) -> std::vector<double> {
+    std::vector<double> rows = mean(samples);
     if (std::none_of(rows.begin(), rows.end(), [](double v) { return std::isfinite(v); })) return {};
     hold(rows, first_finite(rows));
     return rows;
   };
-  out.theta_rad = channel("theta");
-  if (angle && !out.theta_rad.empty()) set_angle(on_clock(trace, *trace.find("theta"), clock, room), t, out);
+  const auto channel = [&](const char* name) -> std::vector<double> {
+    const Channel* c = trace.find(name);
+    return c == nullptr ? std::vector<double>{} : rows_of(on_clock(trace, *c, clock, room));
+  };
+  if (const Channel* theta = trace.find("theta")) {
+    const Channel whole = unwrapped(*theta);
+    const std::vector<double>& samples = on_clock(trace, whole, clock, room);
+    out.theta_rad = rows_of(samples);
+    if (angle && !out.theta_rad.empty()) set_angle(samples, t, out);
+  }
   out.temp_C = channel("temp");
   out.humidity = channel("humidity");
   for (double& h : out.humidity) h *= 100.0;  // a share in the file; effects and records' own readings are in percent

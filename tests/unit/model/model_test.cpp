@@ -128,6 +128,25 @@ TEST(UserEffect, ReportsAnEquationThatCannotBeRead) {
   EXPECT_EQ(added.error().code, ErrorCode::config);
 }
 
+TEST(Rows, AnAngleThatBeginsAnewAfterEveryTurnGoesOn) {
+  constexpr double kTurn_rad = 2.0 * std::numbers::pi;
+  Record record = test::campaign([](double, double F) { return F; }).records[0];
+  Channel theta = record.trace.channels[0];
+  theta.name = "theta", theta.quantity = "angle", theta.unit = "rad";
+  const auto& t_s = record.trace.time_bases[theta.time_base].t_s;
+  for (std::size_t i = 0; i < t_s.size(); ++i) theta.value[i] = 3.0 * t_s[i];
+  record.trace.channels.push_back(theta);
+  const auto whole = make_record_input(record, {}, 0.05, {.full_rate = false, .angle = true});
+  for (double& v : record.trace.channels.back().value) v = std::fmod(v, kTurn_rad);
+  const auto wrapped = make_record_input(record, {}, 0.05, {.full_rate = false, .angle = true});
+  ASSERT_TRUE(whole && wrapped);
+  ASSERT_GT(whole->theta_rad.back(), 2.0 * kTurn_rad);
+  for (std::size_t i = 0; i < whole->rows(); ++i) {
+    ASSERT_NEAR(wrapped->theta_rad[i], whole->theta_rad[i], 1e-9) << i;
+    ASSERT_NEAR(wrapped->cos_theta[i], whole->cos_theta[i], 1e-9) << i;
+  }
+}
+
 TEST(UserEffect, SaysWhichQuantityTheRecordLacksAndWhichStateRunsAway) {
   const auto input = make_campaign_input(test::campaign([](double, double F) { return F; }));
   ASSERT_TRUE(input);
