@@ -168,7 +168,8 @@ class ModbusMotor final : public MotorDrive {
       if (!prove()) {
         ++reconnects_;
         line_->close();
-        if (auto connected = line_->connect(); !connected) continue;
+        // a late echo of the same register would pass for the answer to a write
+        if (auto connected = line_->connect(); !connected || !prove()) continue;
       }
       result = exchange();
     }

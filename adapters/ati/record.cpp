@@ -6,6 +6,7 @@ namespace forcegate::ati {
 namespace {
 
 constexpr std::size_t kLongestLine = 120;
+constexpr int kLargestError = 9;  // one digit in text
 
 // Blanks, sign, one to six digits, blanks. False when the text is anything else.
 bool read_number(std::string_view text, int& out) {
@@ -37,6 +38,11 @@ ParseResult parse_binary(std::span<const std::uint8_t> stream, bool checksum) {
       result.reason = "checksum";
       return result;
     }
+  }
+  if (stream[0] > kLargestError) {
+    result.kind = Parse::invalid;
+    result.reason = "error byte";
+    return result;
   }
   result.kind = Parse::value;
   result.record.error = stream[0];
@@ -77,7 +83,7 @@ ParseResult parse_ascii(std::span<const std::uint8_t> stream, std::size_t width)
     if (field == 7) return invalid("too many fields");
   }
   if (field != 7) return invalid("too few fields");
-  if (values[0] < 0 || values[0] > 9) return invalid("error digit");
+  if (values[0] < 0 || values[0] > kLargestError) return invalid("error digit");
   result.record.error = static_cast<std::uint8_t>(values[0]);
   for (std::size_t axis = 0; axis < 6; ++axis) {
     if (values[axis + 1] < -32768 || values[axis + 1] > 32767) return invalid("count out of range");

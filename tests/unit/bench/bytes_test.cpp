@@ -188,6 +188,18 @@ TEST(AtiBytes, EveryFlippedBitOfABinaryRecordIsSeen) {
   }
 }
 
+TEST(AtiBytes, ABinaryRecordWithoutASumIsNoneWhereItsFirstByteIsNoError) {
+  Bytes record(kAtiBinary.begin(), kAtiBinary.end() - 1);
+  for (const int error : {0, 1, 9}) {
+    record[0] = static_cast<std::uint8_t>(error);
+    EXPECT_EQ(ati::parse_binary(record, false).kind, ati::Parse::value) << error;
+  }
+  for (const int shifted : {10, 0x7F, 0xFF}) {
+    record[0] = static_cast<std::uint8_t>(shifted);
+    EXPECT_EQ(ati::parse_binary(record, false).kind, ati::Parse::invalid) << shifted << ": a byte of a count";
+  }
+}
+
 TEST(AtiBytes, TheAsciiRecordHasFortyFiveBytes) {
   const std::string text = "0,     3,    -2,  1500,     1,     0,    -1\r\n";
   const Bytes bytes(text.begin(), text.end());
