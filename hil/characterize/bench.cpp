@@ -101,9 +101,12 @@ Result<PlayedRecord> Bench::play(const Stimulus& stimulus, const BlockSink& sink
   out.samples = done;
   samples_ += done;
   out.safety = gate.report();
-  if (estimator) return out;
   const std::string where =
       fmt::format("{}, session {}, record {}", request.specimen, request.session, request.record);
+  if (!out.safety.stopped() && done < total)
+    return fail(ErrorCode::timeout, fmt::format("the record is truncated: {} of {} samples", done, total), where);
+  // what a loop that is closed over a poor estimate does to sensor and bench is what it is played for
+  if (estimator) return out;
   const auto checks = self_check(out.rig, witness.finish());
   if (const Check* bad = first_unsound(checks))
     return fail(ErrorCode::device, bad->title + ": " + bad->evidence, where);
@@ -112,9 +115,6 @@ Result<PlayedRecord> Bench::play(const Stimulus& stimulus, const BlockSink& sink
         ErrorCode::safety,
         fmt::format("the record was stopped at {:.1f} s: {}", out.safety.t_s, to_string(out.safety.reason)),
         where);
-  if (done < total)
-    return fail(ErrorCode::timeout, fmt::format("the record is truncated: {} of {} samples", done, total),
-                where);
   return out;
 }
 

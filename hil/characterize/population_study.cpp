@@ -53,6 +53,11 @@ Spread spread_of(const SensorStudy& study, const Measurement& what) {
   return s;
 }
 
+// By a procedure that later sessions do not repeat.
+bool measured_once(const StudyPlan& plan, const SensorStudy& study, const std::string& key) {
+  return !plan.once.empty() && std::ranges::none_of(study.sheets, [&](const SessionSheet& s) { return s.session != 0 && s.find(key) != nullptr; });
+}
+
 }  // namespace
 
 void summarise(SensorStudy& study, const StudyPlan& plan) {
@@ -85,7 +90,9 @@ std::vector<LimitResult> check_limits(const std::vector<SensorStudy>& studies, c
       LimitResult r;
       r.limit = limit, r.sensor = study.sensor, r.title = spread->title, r.unit = spread->unit;
       double least_room = std::numeric_limits<double>::infinity();
+      const bool once = measured_once(plan, study, limit.key);
       for (const SessionSheet& sheet : study.sheets) {
+        if (once && sheet.session != 0) continue;
         const double v = sheet.failure ? std::nan("") : sheet.value(limit.key);
         ++r.sessions;
         if (!(v >= limit.minimum && v <= limit.maximum)) ++r.outside;

@@ -84,7 +84,7 @@ std::vector<JudgedCheck> judge_material(WeightMaterial& m, const ChecksByRecord&
   if (spoiled != nullptr)
     for (JudgedCheck& j : of_run)
       j.judgeable = false, j.check.verdict = Verdict::rig_error, j.check.blame = spoiled->blame;
-  if (m.with_accepted) of_run.push_back(compare_with_accepted(m));
+  if (m.with_accepted && complete) of_run.push_back(compare_with_accepted(m));
   std::vector<JudgedCheck*> all = all_checks(of_run, m.records);
   apply_rule(m.plan.rule, all);
   return of_run;
@@ -129,7 +129,7 @@ JudgedCheck compare_with_accepted(const WeightMaterial& m) {
   c.unit = "%";
   c.limit = {Limit::Kind::upper, m.plan.loss_pct, "ours: plan, percentage points"};
   c.blame = Blame::firmware;
-  double sum = 0.0, squares = 0.0, worst = -std::numeric_limits<double>::infinity();
+  double sum = 0.0, squares = 0.0, fourths = 0.0, worst = -std::numeric_limits<double>::infinity();
   std::string at;
   for (std::size_t i = 0; i < m.records.size(); ++i) {
     const SensorRecord& one = m.records[i];
@@ -146,12 +146,15 @@ JudgedCheck compare_with_accepted(const WeightMaterial& m) {
     for (std::size_t l = 0; l < own.size(); ++l) loss.push_back(100.0 * (own[l] - theirs[l]) / line_N2);
     const Moments of_sensor = moments(loss);
     sum += of_sensor.mean;
-    squares += of_sensor.sd * of_sensor.sd / static_cast<double>(of_sensor.n);
+    const double square = of_sensor.sd * of_sensor.sd / static_cast<double>(of_sensor.n);
+    squares += square;
+    fourths += square * square / (static_cast<double>(of_sensor.n) - 1.0);
     if (of_sensor.mean > worst) worst = of_sensor.mean, at = m.head.cases[i].id;
   }
   const auto n = static_cast<double>(m.records.size());
   c.value = sum / n;
   c.u = std::sqrt(squares) / n;
+  if (fourths > 0.0) j.dof = squares * squares / fourths;  // Welch and Satterthwaite
   c.n = m.records.size();
   c.evidence = fmt::format("{} sensors, worst {:+.3f} points on {}", m.records.size(), worst, at);
   return j;

@@ -6,6 +6,8 @@
 //             speed, mean over 0.1 s, stays below 3 mm/s, which is twice that of breathing. The straight line through the
 //             span is taken out; the force itself selects nothing
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -62,12 +64,14 @@ Result<void> run(Session& s) {
                    {.estimator = [=](std::uint16_t code) { return gain * code + offset; },
                     .controller = "contact_force",
                     .faults = {{"head_motion", 1.0}}}));
+  if (played.safety.stopped())
+    return fail(ErrorCode::safety, fmt::format("the treatment was stopped at {:.1f} s: {}", played.safety.t_s, to_string(played.safety.reason)));
   const double rate_Hz = played.rig.rate_Hz;
   const auto rows = [&](double t_s) { return static_cast<std::size_t>(t_s * rate_Hz + 0.5); };
   const std::size_t span = rows(kSpan_s), before = rows(kBefore_s), stride = rows(kSpeedOver_s);
   const auto still = [&](std::size_t from, std::size_t to) {
-    for (std::size_t i = from; i + stride <= to; i += stride)
-      if (std::abs(static_cast<double>(position_mm[i + stride - 1] - position_mm[i])) >
+    for (std::size_t i = from; i + stride < to; i += stride)
+      if (std::abs(static_cast<double>(position_mm[i + stride] - position_mm[i])) >
           kBarely_mm_per_s * kSpeedOver_s)
         return false;
     return true;

@@ -143,6 +143,7 @@ Result<BodeFit> fit_bode(std::span<const RcReading> sweep, double common_u_rel, 
 
 double operating_frequency_Hz(std::span<const BodeFit> fits, std::span<const std::vector<RcReading>> sweeps,
                               double share) {
+  if (fits.empty()) return std::nan("");  // nothing says from where on the readings diverge
   double limit_Hz = INFINITY;
   for (const BodeFit& f : fits) {
     if (std::isnan(f.divergence_Hz)) return std::nan("");

@@ -107,6 +107,23 @@ TEST(Study, limits_are_judged_on_the_worst_session_and_a_quantity_that_nobody_me
   EXPECT_FALSE(results[2].kept);
 }
 
+TEST(Study, a_limit_on_what_is_measured_once_asks_the_session_that_measured_it) {
+  StudyPlan plan = short_plan();
+  plan.flexiforce = {"static_calibration", "step_response"};
+  plan.once = {"step_response"};
+  plan.sessions = 2;
+  const auto studies = run(request_of(plan, {"flexiforce"}));
+  const auto& values = studies[0].sheets[0].values;
+  const auto step = std::ranges::find_if(values, [](const Measurement& m) { return m.key.starts_with("step."); });
+  ASSERT_NE(step, values.end());
+  plan.limits = {{step->key, -INFINITY, INFINITY, "all"}, {"static.linearity", -INFINITY, INFINITY, "all"}};
+  const auto results = check_limits(studies, plan);
+  ASSERT_EQ(results.size(), 2U);
+  EXPECT_TRUE(results[0].kept);
+  EXPECT_EQ(results[0].outside, 0U);
+  EXPECT_EQ(2 * results[0].sessions, results[1].sessions);
+}
+
 // Every figure of the paper that has a window, on part of the fixed panel; the whole population is in docs/paper.md.
 TEST(Study, of_panel_specimens_lies_in_every_window_of_the_paper) {
   StudyPlan plan = plan_of_the_paper();

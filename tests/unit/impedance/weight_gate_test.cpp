@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "hil/gate/decision.h"
+#include "hil/gate/statistics.h"
 #include "hil/interface/dut.h"
 
 namespace forcegate::test {
@@ -183,6 +184,11 @@ TEST_F(WeightGate, the_same_build_is_no_worse_than_itself_and_a_worse_one_is) {
   const RunResult worse = judged(m);
   EXPECT_EQ(worse.decision.kind, DecisionKind::reject);
   EXPECT_NEAR(of(worse.checks, "no_worse_per").value, 100.0 - of(worse.checks, "per_pack").value, 1e-9);
+  const double k = coverage_factor(0.95, 0.0);
+  const auto rest = compare_with_accepted(m);
+  EXPECT_GT(rest.dof, 1.0);
+  EXPECT_LE(rest.dof, static_cast<double>(m.sensors * (m.plan.loadings - 1)));
+  EXPECT_GT(coverage_factor(0.95, rest.dof), k) << "a few loadings are no normal law";
   m.records[5].accepted_N.clear();
   const RunResult partner = judged(m);
   EXPECT_EQ(of(partner.checks, "no_worse_per").verdict, Verdict::inconclusive);
