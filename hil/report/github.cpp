@@ -1,8 +1,7 @@
 // "github": workflow commands that become annotations. GitHub shows ten a step, so there are at most ten: the
-// decision, then the checks farthest over their limit.
+// decision, then what decided it, worst first.
 
 #include <algorithm>
-#include <cmath>
 
 #include "hil/base/text.h"
 #include "hil/interface/reporter.h"
@@ -42,9 +41,6 @@ std::string render(const RunResult& result) {
                                "forcegate " + std::string(to_string(d.kind)), d.reason);
   std::vector<JudgedRow> rows = rows_to_look_at(result);
   std::erase_if(rows, [](const JudgedRow& r) { return r.check->verdict == Verdict::waived; });
-  const auto order = [](const JudgedRow& r) { return std::isnan(r.ratio) ? -1.0 : r.ratio; };
-  std::stable_sort(rows.begin(), rows.end(),
-                   [&](const JudgedRow& a, const JudgedRow& b) { return order(a) > order(b); });
   for (std::size_t i = 0; i < rows.size() && i + 1 < kMost; ++i) {
     const Check& c = *rows[i].check;
     const bool hard = c.required && (c.verdict == Verdict::fail || c.verdict == Verdict::rig_error);

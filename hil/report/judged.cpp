@@ -40,7 +40,9 @@ std::string as_ascii(std::string text) {
 
 double ratio_to_limit(const Check& check) {
   const double none = std::numeric_limits<double>::quiet_NaN();
-  if (!std::isfinite(check.value) || !(check.limit.value > 0.0)) return none;
+  if (!std::isfinite(check.value) || !(check.limit.value >= 0.0)) return none;
+  // no multiple of nothing, and beyond any all the same
+  if (check.limit.value == 0.0) return check.limit.kind == Limit::Kind::upper && check.value > 0.0 ? std::numeric_limits<double>::infinity() : none;
   if (check.limit.kind == Limit::Kind::upper) return check.value / check.limit.value;
   if (check.limit.kind == Limit::Kind::lower && check.value > 0.0) return check.limit.value / check.value;
   return none;

@@ -1,6 +1,6 @@
 // A share of the output that goes with the rate of the input: viscous friction, a damper beside a spring. Recordings of
 // other machines only; in a force sensor the same signature is a lead (piezocapacitance, a late reference).
-//   dU = g c tau |v|^n sgn v / v0^(n-1), v = dF/dt behind a short mean, v0 its RMS.    n = 1 viscous, n = 1/2 thinning
+//   dU = g c R |v/v0|^n sgn v, R the force range, v = dF/dt behind a short mean, v0 its RMS.    n = 1 viscous, n = 1/2 thinning
 
 #include <algorithm>
 #include <cmath>

@@ -208,6 +208,18 @@ TEST(Annotations, are_at_most_ten_and_the_worst_come_first) {
   EXPECT_THAT(text.substr(text.find('\n') + 1), HasSubstr("fail%3A conformance"));
 }
 
+TEST(Annotations, a_hard_failure_of_a_count_comes_before_marks_that_are_not_required) {
+  RunResult r = sample::run(Variant::accept, 60.0);
+  Check mark, count;
+  mark.id = "mark", mark.required = false, mark.verdict = Verdict::marginal, mark.value = 1.0;
+  mark.limit = {Limit::Kind::upper, 0.5, ""};
+  count.id = "finite", count.required = true, count.verdict = Verdict::fail, count.value = 5.0;
+  count.limit = {Limit::Kind::upper, 0.0, ""};
+  r.checks.assign(12, mark);
+  r.cases.front().checks.push_back(count);
+  EXPECT_THAT(render("github", r), HasSubstr("fail%3A finite"));
+}
+
 TEST(Annotations, cannot_be_injected) {
   const std::string text = render("github", sample::hostile());
   std::istringstream lines(text);
@@ -218,6 +230,11 @@ TEST(Annotations, cannot_be_injected) {
 
 TEST(Ratio, is_above_one_exactly_outside_the_limit) {
   Check c;
+  c.limit = {Limit::Kind::upper, 0.0, ""};
+  c.value = 5.0;
+  EXPECT_EQ(ratio_to_limit(c), INFINITY);
+  c.value = 0.0;
+  EXPECT_TRUE(std::isnan(ratio_to_limit(c)));
   c.limit = {Limit::Kind::upper, 4.5, ""};
   c.value = 9.0;
   EXPECT_DOUBLE_EQ(ratio_to_limit(c), 2.0);
