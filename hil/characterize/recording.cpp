@@ -16,7 +16,6 @@ namespace {
 constexpr std::size_t kBlock = 4096, kTurnsNeeded = 12;
 constexpr double kSlowHalfCycle_s = 20.0, kRangeNeeded_N = 0.2;
 constexpr double kSwingTolerance = 0.1, kDecaySigmas = 3.0, kLeastDecay = 0.005;
-constexpr double kLaw_b1 = 0.0019, kLaw_b0 = 0.0056, kLaw_k = 1.377;  // eq. (5) as printed
 
 struct Columns {
   std::vector<double> t_s;
@@ -94,11 +93,9 @@ void describe_decay_of(SessionSheet& sheet, const DecayRecord& d, double fall) {
   add(sheet, "recording.b", "b of eq. (3)", "1/s", d.fit.b_per_s);
   add(sheet, "recording.c", "c of eq. (3)", "V", d.fit.c_V);
   add(sheet, "recording.rmse", "RMSE of the maxima, eq. (8)", "V", d.fit.rmse_V);
-  const double b_scale = d.fit.b_per_s / (kLaw_b1 * d.f_Hz + kLaw_b0),
-               q_scale = d.fit.c_V / d.fit.a_V * (1.0 + kLaw_k * d.A_N * d.A_N);
-  if (b_scale > 0.0 && q_scale > 0.0) {
-    add(sheet, "identified.b", "Decay rate against eq. (5)", "1", sheet.calibration.b_scale = b_scale);
-    add(sheet, "identified.q", "Ratio c/a against eq. (5)", "1", sheet.calibration.q_scale = q_scale);
+  if (const DecayScales scales = scales_of(d.fit, d.f_Hz, d.A_N); scales.b > 0.0 && scales.q > 0.0) {
+    add(sheet, "identified.b", "Decay rate against eq. (5)", "1", sheet.calibration.b_scale = scales.b);
+    add(sheet, "identified.q", "Ratio c/a against eq. (5)", "1", sheet.calibration.q_scale = scales.q);
   }
 }
 

@@ -189,10 +189,10 @@ class CalibrationRun {
           {ErrorCode::device, "the dynamic record does not determine b and c/a: " + fit.error().text, job_.id,
            "take a longer record or a greater amplitude"});
     const double amplitude_N = 0.5 * (moments(maxima_N).mean - moments(minima_N).mean);
-    const double b_law = 0.0019 * facts.lowest_frequency_Hz + 0.0056;
+    const DecayScales scales = scales_of(*fit, facts.lowest_frequency_Hz, amplitude_N);
     Calibration& c = out_.calibration;
-    c.b_scale = fit->b_per_s / b_law;
-    c.q_scale = fit->c_V / fit->a_V * (1.0 + 1.377 * amplitude_N * amplitude_N);
+    c.b_scale = scales.b;
+    c.q_scale = scales.q;
     if (!(c.b_scale > 0.0 && c.q_scale > 0.0) || !std::isfinite(c.b_scale * c.q_scale))
       return failed(CaseFailure::Stage::rig,
                     {ErrorCode::device,

@@ -208,4 +208,8 @@ Result<DecayParameters> fit_decay(std::span<const double> t_s, std::span<const d
   return out;
 }
 
+DecayScales scales_of(const DecayParameters& fit, double f_Hz, double A_N) {
+  return {fit.b_per_s / (0.0019 * f_Hz + 0.0056), fit.c_V / fit.a_V * (1.0 + 1.377 * A_N * A_N)};
+}
+
 }  // namespace forcegate

@@ -25,4 +25,10 @@ struct DecayParameters {
 Result<DecayParameters> fit_decay(std::span<const double> t_s, std::span<const double> maxima_V,
                                   double u_min_V);
 
+/// A fitted decay over eq. (5) as printed (Lebosse 2011): b / (0.0019 f + 0.0056), (c/a) (1 + 1.377 A^2).
+struct DecayScales {
+  double b = 1.0, q = 1.0;
+};
+DecayScales scales_of(const DecayParameters& fit, double f_Hz, double A_N);
+
 }  // namespace forcegate

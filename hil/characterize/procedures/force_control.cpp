@@ -19,8 +19,6 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kRunAway_pct = 30.0, kAtStop_rad = 0.02, kTouch_s = 0.05;
-// eq. (5) as printed: what the identification is relative to
-constexpr double kSlope = 0.0019, kIntercept = 0.0056, kCurvature = 1.377;
 
 struct ControlRun {
   Extrema extrema;
@@ -148,8 +146,9 @@ class ForceControl {
       return fail(ErrorCode::device, "the dynamic record does not determine b and c/a", s_.sheet.specimen,
                   "take a longer record");
     Calibration& c = s_.sheet.calibration;
-    c.b_scale = d.fit.b_per_s / (kSlope * d.f_Hz + kIntercept);
-    c.q_scale = d.fit.c_V / d.fit.a_V * (1.0 + kCurvature * d.A_N * d.A_N);
+    const DecayScales scales = scales_of(d.fit, d.f_Hz, d.A_N);
+    c.b_scale = scales.b;
+    c.q_scale = scales.q;
     c.level = CalibrationLevel::identified;
     c.id = s_.sheet.specimen.substr(0, 14) + "/i";
     s_.add("identified.b", "Decay rate against eq. (5)", "1", c.b_scale);
