@@ -63,6 +63,8 @@ void turn_compression_over(Campaign& campaign, unsigned threads) {
   for (Record& record : campaign.records) traces.push_back(&record.trace);
   std::string note = turn_over("F_ref", traces, threads);
   BenchFacts& bench = campaign.bench;
+  for (Record& record : campaign.records)
+    if (!note.empty() && record.m_N && *record.m_N < 0.0) record.m_N = -*record.m_N;
   if (!note.empty() && bench.force_max_N <= 0.0) {
     const double declared_min_N = bench.force_min_N;
     bench.force_min_N = -bench.force_max_N;

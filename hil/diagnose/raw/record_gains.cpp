@@ -12,7 +12,9 @@ namespace {
 
 struct RecordSlope {
   std::string record;
-  double V_per_N = 0.0;
+  double V_per_N = 0.0;  // its size
+  bool falls = false;    // the output, where the force rises
+  double sd_N = 0.0;
 };
 
 std::vector<RecordSlope> slopes_of(const std::vector<RecordInput>& records) {
@@ -24,9 +26,22 @@ std::vector<RecordSlope> slopes_of(const std::vector<RecordInput>& records) {
       if (r.ok[i] != 0) line.push(r.U_V[i], r.F_N[i]);
     if (line.n() < kFewestRows || !(line.variance_N2() > 0.0) || !(line.variance_V2() > 0.0)) continue;
     if (std::abs(line.covariance_VN()) < kFollows * std::sqrt(line.variance_N2() * line.variance_V2())) continue;
-    out.push_back({r.name, std::abs(line.covariance_VN()) / line.variance_N2()});
+    out.push_back({r.name, std::abs(line.covariance_VN()) / line.variance_N2(), line.covariance_VN() < 0.0, std::sqrt(line.variance_N2())});
   }
   return out;
+}
+
+// Of records whose force moves as it does in others: in a hold the output may creep either way.
+Result<void> check_signs(std::vector<RecordSlope> slopes) {
+  constexpr double kMoves = 0.2;  // of the largest standard deviation of the force
+  const double most_N = std::ranges::max_element(slopes, {}, &RecordSlope::sd_N)->sd_N;
+  std::erase_if(slopes, [&](const RecordSlope& s) { return s.sd_N < kMoves * most_N; });
+  const auto falling = std::ranges::count_if(slopes, &RecordSlope::falls), n = std::ssize(slopes);
+  if (falling == 0 || falling == n) return {};
+  const bool few_fall = 2 * falling <= n;
+  const auto odd = std::ranges::find(slopes, few_fall, &RecordSlope::falls);
+  return fail(ErrorCode::parse, std::string("the output ") + (few_fall ? "falls" : "rises") + " where the force rises, and in " + (n == 2 ? "the other record" : "most other records") + " it does not",
+              odd->record, "does a column of one of them have the other sign? turn it over in the file, or leave the record out");
 }
 
 }  // namespace
@@ -35,6 +50,7 @@ Result<void> check_record_gains(const std::vector<RecordInput>& records, std::ve
   constexpr double kAnotherUnit = 300.0, kNoDecay = 8.0;
   const std::vector<RecordSlope> slopes = slopes_of(records);
   if (slopes.size() < 2) return {};
+  FORCEGATE_CHECK_OK(check_signs(slopes));
   std::vector<double> sorted;
   for (const RecordSlope& s : slopes) sorted.push_back(s.V_per_N);
   std::ranges::sort(sorted);

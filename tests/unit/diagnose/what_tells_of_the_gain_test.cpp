@@ -104,6 +104,29 @@ TEST(RecordGains, AnotherAmplifierIsANoteAndADecayIsNone) {
   EXPECT_EQ(notes.front(), "b: the output per newton is 10 times that of most other records");
 }
 
+TEST(RecordGains, ARecordWithTheOtherSignIsAnErrorAndAHoldThatCreepsDownIsNone) {
+  std::vector<RecordInput> records(3);
+  for (int k = 0; k < 3; ++k) {
+    RecordInput& r = records[static_cast<std::size_t>(k)];
+    r.name = std::string(1, static_cast<char>('a' + k));
+    for (int i = 0; i < 100; ++i) {
+      r.t_s.push_back(0.02 * i);
+      r.F_N.push_back(k == 2 ? 2.0 + 1e-4 * i : 0.05 * i);
+      r.U_V.push_back(k == 2 ? 4.0 - 1e-4 * i : 0.1 * i);
+      r.ok.push_back(1);
+    }
+  }
+  std::vector<std::string> notes;
+  EXPECT_TRUE(check_record_gains(records, notes));
+  for (double& F : records[1].F_N) F = -F;
+  const auto refused = check_record_gains(records, notes);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().where, "b");
+  EXPECT_NE(refused.error().text.find("falls where the force rises"), std::string::npos) << refused.error().to_text();
+  for (double& F : records[0].F_N) F = -F;
+  EXPECT_TRUE(check_record_gains(records, notes)) << "a sensor whose output falls with the load";
+}
+
 TEST(RecordGains, OfTwoRecordsBothAreNamed) {
   std::vector<RecordInput> records(2);
   for (int k = 0; k < 2; ++k) {

@@ -56,8 +56,9 @@ TEST_F(Compression, WhatGoesBothWaysStays) {
 TEST_F(Compression, AllRecordsAgreeAndSoDoesTheDeclaredRange) {
   put("a.csv", triangle(-0.2, -5.0));
   put("b.csv", triangle(0.0, -0.01));
-  const auto campaign = read_campaign(put("campaign.json", R"({"bench": {"force_range_N": [-8, 0]}, "records": [{"file": "a.csv"}, {"file": "b.csv"}]})"));
+  const auto campaign = read_campaign(put("campaign.json", R"({"bench": {"force_range_N": [-8, 0]}, "records": [{"file": "a.csv", "m_N": -2.6}, {"file": "b.csv"}]})"));
   ASSERT_TRUE(campaign) << campaign.error().to_text();
+  EXPECT_DOUBLE_EQ(campaign->records[0].m_N.value(), 2.6);
   EXPECT_DOUBLE_EQ(first_N(*campaign), 5.0);
   EXPECT_DOUBLE_EQ(first_N(*campaign, 1), 0.01);
   EXPECT_DOUBLE_EQ(campaign->bench.force_min_N, 0.0);
