@@ -105,6 +105,12 @@ struct CampaignInput {
   bool generic = false;  ///< not a force sensor's campaign: plain input and output columns
   bool undeclared = false;  ///< nobody wrote down what any record is: it may be another machine's, slow or late by much
   std::vector<std::string> notes;
+
+  /// Force at which the film is unloaded: 0, unless the reference was tared under load and reads below zero by more than a zero that drifts does.
+  double no_load_N() const {
+    constexpr double kDrift = 0.05;  // of the span
+    return lowest_N < -kDrift * range_N ? lowest_N : 0.0;
+  }
 };
 
 }  // namespace forcegate

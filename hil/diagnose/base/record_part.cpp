@@ -19,6 +19,8 @@ Index padded(Index n) { return (n + kLane - 1) / kLane * kLane; }
 Eigen::Map<const Lane> lane(const double* at) { return Eigen::Map<const Lane>(at); }
 Eigen::Map<Lane> lane(double* at) { return Eigen::Map<Lane>(at); }
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+// What is no number stays none.
+double not_below_zero(double square) { return square < 0.0 ? 0.0 : square; }
 
 // Of a column of S that is a gain: by how much of one in this record, by regression on Z_0 and one; 0 of another, and where the force
 // stands still.
@@ -194,7 +196,7 @@ void RecordPart::condition(const VectorXd& v, Conditional& out) const {
     certain += variance[i] / sigma2_[i];
   }
   out.trace = (static_cast<double>(n) - certain) / weight_;
-  out.mean_square = std::max(0.0, plain(v) - (followed + out.penalty) / weight_);
+  out.mean_square = not_below_zero(plain(v) - (followed + out.penalty) / weight_);
 }
 
 double RecordPart::log_determinant() const {
@@ -208,7 +210,7 @@ double RecordPart::plain(const VectorXd& v) const {
   double out = 0.0;
   for (Index a = 0; a < n_columns_; ++a)
     out += v[a] * VectorXd::Map(gram_.data() + a * stride_, n_columns_).dot(v);
-  return std::max(0.0, out);
+  return not_below_zero(out);
 }
 
 }  // namespace forcegate::diagnose

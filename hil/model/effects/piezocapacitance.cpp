@@ -20,11 +20,11 @@ constexpr double kFollow_s = 0.005;  // bandwidth of the derivative
 constexpr double kNoLag = 0.0;       // of whatever sensor: one that lags more at low load has a pole there (rc)
 
 void assumed_columns(const CampaignInput& c, const RecordInput& r, ColumnsRef out) {
-  const double middle = c.lowest_N + 0.5 * c.range_N;
+  const double zero_N = c.no_load_N(), middle = c.lowest_N - zero_N + 0.5 * c.range_N;
   const auto y = low_pass_rows(r, kFollow_s);
   r.for_each_wanted([&](std::size_t i) {
     out(static_cast<Eigen::Index>(i), 0) =
-        2.0 * (r.F_N[i] - y[i]) * (2.0 / (1.0 + std::max(r.F_N[i], 0.0) / middle));
+        2.0 * (r.F_N[i] - y[i]) * (2.0 / (1.0 + std::max(r.F_N[i] - zero_N, 0.0) / middle));
   });
 }
 

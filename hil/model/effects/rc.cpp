@@ -24,12 +24,12 @@ double decayed(double h) { return h < 0.25 ? h / (1.0 + h * (0.5 + h / 12.0)) : 
 template <class Factor>
 void pole_columns(const CampaignInput& c, const RecordInput& r, double tau_s, double unloaded, ColumnsRef out,
                   const Factor& factor) {
-  const double floor = unloaded * c.range_N, middle = c.lowest_N + 0.5 * c.range_N + floor;
+  const double zero_N = c.no_load_N(), floor = unloaded * c.range_N, middle = c.lowest_N - zero_N + 0.5 * c.range_N + floor;
   const double per_Ns = 1.0 / (tau_s * middle);
   double y = r.fast_F_N[0];
   const auto time_constants = [&](std::uint32_t k) {
     const double F = r.fast_F_N[k];
-    return (std::max(F, 0.0) + floor) * per_Ns / factor(F) * (r.fast_t_s[k] - r.fast_t_s[k - 1]);
+    return (std::max(F - zero_N, 0.0) + floor) * per_Ns / factor(F) * (r.fast_t_s[k] - r.fast_t_s[k - 1]);
   };
   filter_wanted_rows(
       r,
