@@ -32,8 +32,8 @@ const Registration<EffectKind> kRegistered{EffectKind{
                                               -0.008, -0.016, -0.032, -0.064, -0.128})
                    out.push_back({delay_s * scale});
                // two loggers that were started by hand
-               if (campaign.undeclared)
-                 for (const double delay_s : {0.14, 0.2, 0.28, 0.4, 0.56, 0.8, -0.25, -0.35, -0.5, -0.7, -1.0}) out.push_back({delay_s * scales.back()});
+               for (const double delay_s : {0.14, 0.2, 0.28, 0.4, 0.56, 0.8, -0.25, -0.35, -0.5, -0.7, -1.0})
+                 out.push_back({delay_s * scales.back()});
                return out;
              },
          .columns =
