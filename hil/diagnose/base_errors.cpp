@@ -29,8 +29,7 @@ BaseError error_of(const ResidualChannel& channel, const MixedFit& base, const s
 MixedFit law_beside(const Workspace& w, const std::vector<int>& columns, bool forgives, std::vector<std::string>& notes) {
   const MixedFit of_all = fit_to_the_end(w.output, columns, nullptr, kOfAll, RecordUse::all_records);
   MixedFit base = of_all.valid ? fit_mixed(w.output.problem, columns, &of_all, kOfSome) : of_all;
-  const bool in_step = w.input.generic && w.input.records.front().row_step_s > kStepsTellNoLag_s;
-  return base.valid && forgives && !in_step ? forgive_late_reference(w, std::move(base), notes) : base;
+  return base.valid && forgives ? forgive_late_reference(w, std::move(base), notes) : base;
 }
 
 MixedFit base_model(const Workspace& w, const EngineOptions& options, std::vector<std::string>& notes) {

@@ -51,6 +51,7 @@ struct EffectForm {
   std::string name;  ///< "play_bank", "bouc_wen"
   std::vector<ParameterSpec> shape;
   std::vector<ParameterSpec> strength;  ///< one per column
+  std::vector<double> memory_s = {};    ///< time constant of each column, where they differ in it alone
   StrengthSign sign = StrengthSign::either;
   /// Shapes to screen, given the campaign's scales. One empty shape when the form has none.
   std::function<std::vector<std::vector<double>>(const CampaignInput&)> grid;

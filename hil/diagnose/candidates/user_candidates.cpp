@@ -47,20 +47,72 @@ bool is_proportional(const UserEffect& effect, std::size_t parameter, const Camp
   return moves;
 }
 
-// The equation as shape and strength.
+// All `parameters` zero but one.
+UserEffect one_alone(UserEffect effect, const std::vector<std::size_t>& parameters, std::size_t one, double value) {
+  for (const std::size_t k : parameters) effect.parameters[k].value = k == one ? value : 0.0;
+  return effect;
+}
+
+// The output is the sum of what each parameter gives alone, and each is proportional to it: k1 x + k2 y.
+bool is_sum_of(const std::vector<std::size_t>& parameters, const UserEffect& effect, const CampaignInput& input) {
+  constexpr double kRounding = 1e-9;
+  for (std::size_t r = 0; r < std::min(kTried, input.records.size()); ++r) {
+    const RecordInput& record = input.records[r];
+    const auto whole = user_effect_N(effect, record);
+    if (!whole) return false;
+    std::vector<double> sum(whole->size(), 0.0);
+    double largest = 0.0;
+    for (const std::size_t k : parameters) {
+      const auto part = user_effect_N(one_alone(effect, parameters, k, 1.0), record);
+      if (!part) return false;
+      for (std::size_t i = 0; i < sum.size(); ++i) {
+        const double given = effect.parameters[k].value * (*part)[i];
+        sum[i] += given;
+        largest = std::max(largest, std::abs(given));
+      }
+    }
+    for (std::size_t i = 0; i < sum.size(); ++i)
+      if (std::abs(sum[i] - (*whole)[i]) > kRounding * largest) return false;
+  }
+  return true;
+}
+
+// A second difference of nothing.
+bool is_straight(const UserEffect& effect, std::size_t parameter, const CampaignInput& input) {
+  constexpr double kRounding = 1e-9;
+  const double written = effect.parameters[parameter].value, value = written != 0.0 ? written : 1.0;
+  for (std::size_t r = 0; r < std::min(kTried, input.records.size()); ++r) {
+    const RecordInput& record = input.records[r];
+    const auto none = user_effect_N(with_value(effect, parameter, 0.0), record), once = user_effect_N(with_value(effect, parameter, value), record),
+               twice = user_effect_N(with_value(effect, parameter, 2.0 * value), record);
+    if (!none || !once || !twice) return false;
+    for (std::size_t i = 0; i < once->size(); ++i) {
+      const double size = std::abs((*none)[i]) + std::abs((*twice)[i]);
+      if (std::abs((*none)[i] - 2.0 * (*once)[i] + (*twice)[i]) > kRounding * std::max(1.0, size)) return false;
+    }
+  }
+  return true;
+}
+
+// The equation as shape and strengths: one that the output is proportional to, several that it is a sum of, or none.
 struct Parts {
-  std::vector<std::size_t> shape;  // numbers of parameters
-  std::size_t strength = kNone;
-  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+  std::vector<std::size_t> shape, strength;  // numbers of parameters
 };
 
 Parts parts_of(const UserEffect& effect, const CampaignInput& input) {
   Parts out;
-  for (std::size_t k = 0; k < effect.parameters.size(); ++k)
-    if (!is_proportional(effect, k, input))
-      out.shape.push_back(k);
-    else if (out.strength == Parts::kNone || effect.parameters[k].name == kShare)
-      out.strength = k;  // a share of an earlier fit goes on being it
+  std::vector<std::size_t> straight;
+  for (std::size_t k = 0; k < effect.parameters.size(); ++k) {
+    if (is_proportional(effect, k, input)) {
+      if (out.strength.empty() || effect.parameters[k].name == kShare) out.strength = {k};  // a share of an earlier fit goes on being it
+      continue;
+    }
+    out.shape.push_back(k);
+    if (is_straight(effect, k, input)) straight.push_back(k);
+  }
+  if (!out.strength.empty() || straight.size() < 2 || !is_sum_of(straight, effect, input)) return out;
+  out.strength = straight;
+  std::erase_if(out.shape, [&](std::size_t k) { return std::ranges::find(straight, k) != straight.end(); });
   return out;
 }
 
@@ -85,28 +137,34 @@ EffectForm form_of(const UserEffect& effect, const CampaignInput& input) {
   EffectForm form;
   form.name = "equation";
   for (const std::size_t k : parts.shape) form.shape.push_back(spec_of(effect.parameters[k]));
-  UserEffect unit = effect;
-  if (parts.strength == Parts::kNone) {
+  if (parts.strength.empty()) {
     std::string name = kShare;
     while (std::ranges::find(effect.parameters, name, &ModelParameter::name) != effect.parameters.end()) name += "_";
     form.strength.push_back({name, "1", -1e3, 1e3, 0.0, "factor on the whole output of the equation"});
-  } else {
-    ModelParameter& p = unit.parameters[parts.strength];
-    form.strength.push_back({p.name, p.unit, p.minimum, p.maximum, 0.0, "the output is proportional to it"});
-    p.value = 1.0;
+  }
+  for (const std::size_t k : parts.strength) {
+    const ModelParameter& p = effect.parameters[k];
+    form.strength.push_back({p.name, p.unit, p.minimum, p.maximum, 0.0, parts.strength.size() == 1 ? "the output is proportional to it" : "a part of the output is proportional to it"});
+  }
+  if (parts.strength.size() == 1) {
+    const ModelParameter& p = effect.parameters[parts.strength.front()];
     if (p.minimum > -kNoBound) form.least = p.minimum;
     if (p.maximum < kNoBound) form.most = p.maximum;
     if (p.minimum >= 0.0) form.sign = StrengthSign::positive;
     if (p.maximum <= 0.0) form.sign = StrengthSign::negative;
   }
   form.grid = [grid = grid_of(effect, parts.shape)](const CampaignInput&) { return grid; };
-  form.columns = [unit, moved = parts.shape](const CampaignInput&, const RecordInput& record, std::span<const double> shape, ColumnsRef columns) {
+  form.columns = [unit = effect, parts](const CampaignInput&, const RecordInput& record, std::span<const double> shape, ColumnsRef columns) {
     columns.setZero();
     UserEffect at = unit;
-    for (std::size_t k = 0; k < moved.size(); ++k) at.parameters[moved[k]].value = shape[k];
-    const auto added = user_effect_N(at, record);
-    if (!added) return;  // a shape at which the equation has no value is no candidate
-    for (std::size_t i = 0; i < added->size(); ++i) columns(static_cast<Eigen::Index>(i), 0) = (*added)[i];
+    for (std::size_t k = 0; k < parts.shape.size(); ++k) at.parameters[parts.shape[k]].value = shape[k];
+    const auto column_of = [&](Eigen::Index j, const UserEffect& part) {
+      const auto added = user_effect_N(part, record);
+      if (!added) return;  // a shape at which the equation has no value is no candidate
+      for (std::size_t i = 0; i < added->size(); ++i) columns(static_cast<Eigen::Index>(i), j) = (*added)[i];
+    };
+    if (parts.strength.empty()) column_of(0, at);
+    for (std::size_t j = 0; j < parts.strength.size(); ++j) column_of(static_cast<Eigen::Index>(j), one_alone(at, parts.strength, parts.strength[j], 1.0));
   };
   return form;
 }
@@ -151,14 +209,18 @@ Result<std::vector<std::unique_ptr<EffectKind>>> make_user_kinds(const std::vect
 
 namespace {
 
-// Least squares of a column on what the law has, W and 1, over all records: the share of its squares that is left.
-double left_by_the_law(const CampaignInput& input, const std::vector<Eigen::VectorXd>& columns) {
+bool moves_at_all(const std::vector<Eigen::MatrixXd>& columns, Eigen::Index j) {
+  return std::ranges::any_of(columns, [&](const Eigen::MatrixXd& of_record) { return !of_record.col(j).isZero(0.0); });
+}
+
+// Least squares of column j on what the law has, W and 1, over all records: the share of its squares that is left.
+double left_by_the_law(const CampaignInput& input, const std::vector<Eigen::MatrixXd>& columns, Eigen::Index j) {
   Eigen::Matrix3d gram = Eigen::Matrix3d::Zero();
   for (std::size_t r = 0; r < columns.size(); ++r) {
     const RecordInput& record = input.records[r];
     for (std::size_t i = 0; i < record.rows(); ++i) {
       const double W = record.decay.empty() ? record.F_N[i] : record.base_force_N(i);
-      const Eigen::Vector3d x(W, 1.0, columns[r][static_cast<Eigen::Index>(i)]);
+      const Eigen::Vector3d x(W, 1.0, columns[r](static_cast<Eigen::Index>(i), j));
       if (record.ok[i] != 0) gram += x * x.transpose();
     }
   }
@@ -192,16 +254,17 @@ Result<void> check_excited(const UserEffect& effect, const EffectKind& kind, con
   const EffectForm& form = kind.forms.front();
   bool any = false;
   for (const std::vector<double>& shape : form.grid(input)) {
-    std::vector<Eigen::VectorXd> columns;
+    std::vector<Eigen::MatrixXd> columns;
     double largest = 0.0;
     for (const RecordInput& record : input.records) {
-      Eigen::MatrixXd column(static_cast<Eigen::Index>(record.rows()), 1);
+      Eigen::MatrixXd column(static_cast<Eigen::Index>(record.rows()), static_cast<Eigen::Index>(form.strength.size()));
       form.columns(input, record, shape, column);
       largest = std::max(largest, column.cwiseAbs().maxCoeff());
-      columns.push_back(column.col(0));
+      columns.push_back(column);
     }
     any |= largest > 0.0;
-    if (largest > 0.0 && left_by_the_law(input, columns) > kRounding) return {};
+    for (Eigen::Index j = 0; j < columns.front().cols(); ++j)
+      if (moves_at_all(columns, j) && left_by_the_law(input, columns, j) > kRounding) return {};
   }
   if (const std::string still = still_input(effect, input); any && !still.empty())
     return fail(ErrorCode::config, "the equation of " + effect.name + " depends on " + still + ", which does not move in these records: gain and offset of the law are that already",
@@ -217,7 +280,7 @@ Result<void> check_excited(const UserEffect& effect, const EffectKind& kind, con
                            : "begin with another value than 0 for " + zero);
 }
 
-UserEffect with_fit(const UserEffect& effect, const EffectForm& form, std::span<const Estimate> shape, const Estimate& strength) {
+UserEffect with_fit(const UserEffect& effect, const EffectForm& form, std::span<const Estimate> shape, std::span<const Estimate> strength) {
   UserEffect out = effect;
   for (ModelParameter& p : out.parameters) p.se = 0.0;
   for (std::size_t k = 0; k < shape.size(); ++k)
@@ -226,15 +289,17 @@ UserEffect with_fit(const UserEffect& effect, const EffectForm& form, std::span<
       p->value = shape[k].value;
       p->se = shape[k].se;
     }
-  const ParameterSpec& spec = form.strength.front();
-  ModelParameter* factor = parameter_of(out, spec.name);
-  if (factor == nullptr) {
-    out.output = spec.name + " * (" + out.output + ")";
-    out.parameters.push_back({spec.name, spec.unit, 1.0, 0.0, spec.minimum, spec.maximum, 1.0});
-    factor = &out.parameters.back();
+  for (std::size_t j = 0; j < form.strength.size(); ++j) {
+    const ParameterSpec& spec = form.strength[j];
+    ModelParameter* factor = parameter_of(out, spec.name);
+    if (factor == nullptr) {
+      out.output = spec.name + " * (" + out.output + ")";
+      out.parameters.push_back({spec.name, spec.unit, 1.0, 0.0, spec.minimum, spec.maximum, 1.0});
+      factor = &out.parameters.back();
+    }
+    factor->value = std::clamp(strength[j].value, factor->minimum, factor->maximum);
+    factor->se = strength[j].se;
   }
-  factor->value = std::clamp(strength.value, factor->minimum, factor->maximum);
-  factor->se = strength.se;
   return out;
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 // Effects of the user's own, as equations in the model file, among the candidates: screened, refined and fitted by the
 // same machinery as the built-in ones. A parameter that the whole output is proportional to is the strength, with its own name and unit;
-// where there is none, a common factor "share" is. All others are the shape; of several proportional ones the rest keep their values,
+// where there is none, those are that the output is a sum of parts of, or else a common factor "share". All others are the shape; of several proportional ones the rest keep their values,
 // since the records tell only the product.
 
 #include <memory>
@@ -31,6 +31,6 @@ Result<std::vector<std::unique_ptr<EffectKind>>> make_user_kinds(const std::vect
 Result<void> check_excited(const UserEffect& effect, const EffectKind& kind, const CampaignInput& input);
 
 /// The effect with a fitted shape and strength and their uncertainties, in the order of the form that was made of it.
-UserEffect with_fit(const UserEffect& effect, const EffectForm& form, std::span<const Estimate> shape, const Estimate& strength);
+UserEffect with_fit(const UserEffect& effect, const EffectForm& form, std::span<const Estimate> shape, std::span<const Estimate> strength);
 
 }  // namespace forcegate::diagnose

@@ -85,12 +85,20 @@ void take_off_output(ResidualChannel& channel, const Eigen::VectorXd& c) {
     channel.taken_off.tail(n - had).setZero();
   }
   channel.taken_off.head(n) += c;
+  // those alone: a column may hold numbers too large to be squared, and nothing times infinity is no number
+  std::vector<Eigen::Index> of;
+  for (Eigen::Index j = 0; j < n; ++j)
+    if (c[j] != 0.0) of.push_back(j);
   for (std::size_t k = 0; k < p.records.size(); ++k) {
     Eigen::MatrixXd& A = channel.rows[k].matrix;
-    A.col(y) -= A.middleCols(p.nz, n) * c;
     Eigen::MatrixXd& G = p.records[k].gram;
-    const Eigen::VectorXd taken = G.middleCols(p.nz, n) * c;  // X' S c, y last
-    const double yy = G(y, y) - 2.0 * taken[y] + c.dot(taken.segment(p.nz, n));
+    Eigen::VectorXd taken = Eigen::VectorXd::Zero(G.rows());  // X' S c, y last
+    for (const Eigen::Index j : of) {
+      A.col(y) -= c[j] * A.col(p.nz + j);
+      taken += c[j] * G.col(p.nz + j);
+    }
+    double yy = G(y, y) - 2.0 * taken[y];
+    for (const Eigen::Index j : of) yy += c[j] * taken[p.nz + j];
     G.col(y) -= taken;
     G.row(y) = G.col(y).transpose();
     G(y, y) = yy;
@@ -113,6 +121,7 @@ bool depends_on_load(const ResidualChannel& channel, const std::vector<int>& pre
 
 MixedFit forgive_late_reference(const Workspace& w, MixedFit base, std::vector<std::string>& notes) {
   constexpr double kLeastGain = 4.0;
+  if (w.input.generic && w.input.records.front().row_step_s > kStepsTellNoLag_s) return base;
   const ResidualChannel& channel = w.output;
   std::vector<int> columns = base.columns;
   add_leads(channel, columns);

@@ -9,6 +9,7 @@
 #include "hil/base/plain_number.h"
 #include "hil/diagnose/candidates/user_candidates.h"
 #include "hil/diagnose/engine.h"
+#include "hil/diagnose/refit/seen_terms.h"
 
 namespace forcegate::diagnose {
 namespace {
@@ -53,6 +54,8 @@ class Fitter {
     for (const Chosen& c : effects) {
       const auto count = static_cast<Index>(c.form->strength.size());
       c.form->columns(input_, r, c.shape, X.middleCols(at, count));
+      for (Index j = 0; j < count; ++j)
+        if (!is_seen(*c.form, static_cast<std::size_t>(j), input_)) X.col(at + j).setZero();
       at += count;
     }
     VectorXd y(n);
@@ -210,7 +213,7 @@ Model assembled(const Model& start, const CampaignInput& input, const BaseLaw& l
     if (equation == start.user_effects.end())
       m.effects.push_back(model_effect(*c.kind, *c.form, c.shape, strength));
     else
-      own.push_back(with_fit(*equation, *c.form, shape, strength.front()));
+      own.push_back(with_fit(*equation, *c.form, shape, strength));
   }
   m.user_effects = std::move(own);
   return m;

@@ -22,6 +22,7 @@
 #include "hil/diagnose/one_zero.h"
 #include "hil/diagnose/refit/best_form.h"
 #include "hil/diagnose/refit/moved_parameters.h"
+#include "hil/diagnose/refit/seen_terms.h"
 #include "hil/diagnose/refit/stands_still.h"
 
 namespace forcegate::diagnose {
@@ -118,13 +119,9 @@ struct FittedEffects {
   const MixedFit& all() const { return chain.back(); }
 };
 
-Result<FittedEffects> fit_effects(Workspace& w, const Model& start, const std::vector<std::string>& names, bool adds, unsigned threads, std::vector<std::string>& notes) {
+Result<FittedEffects> fit_in_turn(Workspace& w, const Model& start, const std::vector<std::string>& names, MixedFit law, unsigned threads, std::vector<std::string>& notes) {
   FittedEffects out;
-  // what a diagnosis carries along is no error of the model here either
-  // but a lead that is to be added has a claim to the whole of it, as in the diagnosis
-  const EffectKind* last = names.empty() ? nullptr : kind_of(w, names.back());
-  const bool leads = adds && last != nullptr && last->traits.shift == TimeShift::percent_lead;
-  out.chain.push_back(law_beside(w, {}, !leads && std::ranges::find(names, kLatencyEffect) == names.end(), notes));
+  out.chain.push_back(std::move(law));
   if (!out.law().valid) return fail(ErrorCode::config, "the records do not determine the model", w.input.name, "more records, or records with more force");
   std::vector<int> present = out.law().columns;
   for (const std::string& name : names) {
@@ -135,7 +132,7 @@ Result<FittedEffects> fit_effects(Workspace& w, const Model& start, const std::v
     WrittenForms taken;
     if (best) {
       std::vector<int> all = present;
-      std::ranges::copy(columns_of(w.output, best->variant), std::back_inserter(all));
+      std::ranges::copy(seen_columns(w, best->variant, notes), std::back_inserter(all));
       taken = {{best->variant}, {}, fit_mixed(w.output.problem, all, &best->fit, 15)};
       if (const Candidate& of = candidate_of(w.output, best->variant); !moves_levels(of))
         for (const int v : further_forms(w.output, *of.kind, all, taken.fit)) taken.variants.push_back(v);
@@ -148,6 +145,20 @@ Result<FittedEffects> fit_effects(Workspace& w, const Model& start, const std::v
     out.columns.emplace_back(name, std::move(taken.columns));
   }
   return out;
+}
+
+// What a diagnosis carries along, or sets aside where it shows beside the effects only, is no error of the model here either.
+Result<FittedEffects> fit_effects(Workspace& w, const Model& start, const std::vector<std::string>& names, bool adds, unsigned threads, std::vector<std::string>& notes) {
+  // but a lead that is to be added has a claim to the whole of it, as in the diagnosis
+  const EffectKind* last = names.empty() ? nullptr : kind_of(w, names.back());
+  const bool leads = adds && last != nullptr && last->traits.shift == TimeShift::percent_lead;
+  const bool forgives = !leads && std::ranges::find(names, kLatencyEffect) == names.end();
+  FORCEGATE_TRY(FittedEffects out, fit_in_turn(w, start, names, law_beside(w, {}, forgives, notes), threads, notes));
+  if (!forgives || names.empty() || !out.law().columns.empty() || !out.all().valid) return out;
+  const MixedFit beside = forgive_late_reference(w, out.all(), notes);
+  if (beside.columns.size() == out.all().columns.size()) return out;
+  take_off_output(w.output, strengths_of_leads(w.output, beside.columns, beside));
+  return fit_in_turn(w, start, names, law_beside(w, {}, false, notes), threads, notes);
 }
 
 void write_law(const Workspace& w, const MixedFit& fit, const ShapeCovariance& joint, const Model& start, Refit& out) {
@@ -175,12 +186,15 @@ void write_law(const Workspace& w, const MixedFit& fit, const ShapeCovariance& j
 
 void write_user_effect(const Workspace& w, const MixedFit& fit, const ShapeCovariance& joint, int variant, const Candidate& c, const std::vector<UserEffect>& before, UserEffect& own,
                        Refit& out) {
-  const auto at = fit.place_of(c.first);
-  if (!at) return;
   const double gain = fit.coefficient[0] * w.output.gain_of_unit;
-  std::vector<Estimate> shape;
+  std::vector<Estimate> shape, strength;
+  for (int j = 0; j < c.count; ++j) {
+    const auto at = fit.place_of(c.first + j);
+    if (!at) return;
+    strength.push_back({fit.coefficient[*at] / gain, joint.of_coefficient(*at) / std::abs(gain)});
+  }
   for (std::size_t k = 0; k < c.shape.size(); ++k) shape.push_back({c.shape[k], joint.of_shape(variant, k)});
-  own = with_fit(own, *c.form, shape, {fit.coefficient[*at] / gain, joint.of_coefficient(*at) / std::abs(gain)});
+  own = with_fit(own, *c.form, shape, strength);
   for (const ModelParameter& p : own.parameters) {
     double old = p.neutral;  // a share is new
     if (const auto was = std::ranges::find(before, own.name, &UserEffect::name); was != before.end())

@@ -6,6 +6,7 @@
 // Less than 5 % a decade of time (Interlink FSR 400 data sheet), below 6 % in 20 min at rest load (Lebosse 2011).
 
 #include <cmath>
+#include <iterator>
 
 #include "hil/model/effect.h"
 #include "hil/model/states.h"
@@ -91,6 +92,7 @@ EffectForm prony_form(const char* name, bool decayed, bool settled, bool bank) {
   return {.name = name,
           .shape = {},
           .strength = prony_strengths(),
+          .memory_s = {std::begin(kTau_s), std::end(kTau_s)},
           .sign = StrengthSign::positive,
           .grid = [](const CampaignInput&) { return std::vector<std::vector<double>>{{}}; },
           .columns = [=](const CampaignInput&, const RecordInput& r, std::span<const double>,

@@ -1,0 +1,19 @@
+#pragma once
+// Terms of a sum of exponentials that the records tell. A term of a thousand seconds beside records of a hundred is told by what noise makes of its
+// first tenth, and a compensator would go on with it for hours.
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "hil/diagnose/workspace.h"
+
+namespace forcegate::diagnose {
+
+/// Whether a record is half as long as the time constant of column `strength` of the form, and shows 40 % of it; true of columns without one.
+bool is_seen(const EffectForm& form, std::size_t strength, const CampaignInput& input);
+
+/// The columns of a variant that are seen, all where none is; `notes` tell of the others.
+std::vector<int> seen_columns(const Workspace& workspace, int variant, std::vector<std::string>& notes);
+
+}  // namespace forcegate::diagnose
