@@ -160,6 +160,42 @@ TEST(OneNumber, ALeadIsAddedFromWhereItWasClaimed) {
   EXPECT_NEAR(added["error_before"].get<double>(), answer["error_before"].get<double>(), 0.01 * answer["error_before"].get<double>());
 }
 
+TEST(OneNumber, ALateReferenceIsNoErrorOfTheModelToAnyCommand) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(pasted("forcegate mystery --seed 7 --effect hysteresis --strength medium --minutes 3 loop", folder).exit_code, 0);
+  const auto diagnosed = nlohmann::json::parse(pasted("forcegate diagnose loop --json", folder).out);
+  const auto added = nlohmann::json::parse(pasted("forcegate add hysteresis --fit loop -o better.toml --json", folder).out);
+  const auto compared = nlohmann::json::parse(pasted("forcegate diagnose loop --model better.toml --json", folder).out);
+  const double promised = diagnosed["error_after"], kept = added["error_after"], found = compared["error_before"];
+  EXPECT_LT(promised, 0.5 * diagnosed["error_before"].get<double>());
+  EXPECT_NEAR(kept, promised, 0.25 * promised);
+  EXPECT_NEAR(found, kept, 0.25 * kept);
+}
+
+// Three slow triangles of a sensor without any decay, which nobody described.
+TEST(OneNumber, CompareAndSimulateAgreeOnWhatIsCyclic) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder.path() / "slow");
+  Noise noise;
+  for (const char* name : {"a", "b", "c"}) {
+    std::string csv = "t_s,F_ref_N,U_V\n";
+    for (int i = 0; i < 9000; ++i) {
+      const double t = 0.02 * i, force = 0.5 + 4.0 * std::abs(2.0 * (t / 20.0 - std::floor(t / 20.0 + 0.5)));
+      char row[96];
+      std::snprintf(row, sizeof row, "%.2f,%.4f,%.5f\n", t, force, 0.2 + 2.0 * (force - 0.1) + 0.004 * noise());
+      csv += row;
+    }
+    write_text(folder / ("slow/" + std::string(name) + ".csv"), csv);
+  }
+  const auto compared = nlohmann::json::parse(pasted("forcegate compare slow --json", folder).out);
+  const auto simulated = nlohmann::json::parse(pasted("forcegate simulate slow -o out --json", folder).out);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double written = compared["as_written"][k]["rmse_V"], made = simulated["records"][k]["rmse_V"];
+    EXPECT_LT(written, 0.5) << "no decay is written into what does not decay";
+    EXPECT_NEAR(made, written, 1e-3 * written);
+  }
+}
+
 TEST(OneNumber, TheErrorAgainstTheRigsLawIsThatOfTheClaim) {
   const TemporaryFolder folder;
   ASSERT_EQ(pasted("forcegate mystery --seed 24 m24", folder).exit_code, 0);

@@ -1,6 +1,7 @@
 #include "hil/app/model/clean_input.h"
 
 #include "hil/base/largest_first.h"
+#include "hil/diagnose/base/own_decay.h"
 #include "hil/diagnose/raw/absurd_force.h"
 #include "hil/diagnose/raw/clean_samples.h"
 
@@ -13,7 +14,9 @@ Result<CampaignInput> clean_input(Campaign campaign, unsigned threads, const Row
   parallel_for_largest_first(sample_counts(campaign), threads, [&](std::size_t k) {
     bad[k] = diagnose::clean_samples(campaign.records[k], scales, campaign.bench, false).health.bad;
   });
-  return make_campaign_input(campaign, threads, parts, bad);
+  FORCEGATE_TRY(CampaignInput out, make_campaign_input(campaign, threads, parts, bad));
+  parallel_for(out.records.size(), threads, [&](std::size_t k) { diagnose::settle_excitation(out.records[k]); });
+  return out;
 }
 
 }  // namespace forcegate

@@ -7,7 +7,7 @@
 namespace forcegate {
 
 /// make_campaign_input of samples without hum and with the reference smoothed, as a diagnosis has them; a row with a spike, a lost or held
-/// sample or one at a rail is not ok. Errors: those of make_campaign_input.
+/// sample or one at a rail is not ok. Which records are cyclic is decided as there. Errors: those of make_campaign_input.
 Result<CampaignInput> clean_input(Campaign campaign, unsigned threads, const RowParts& parts = {});
 
 }  // namespace forcegate

@@ -11,7 +11,7 @@
 #include "hil/base/parallel.h"
 #include "hil/base/plain_number.h"
 #include "hil/diagnose/answer/residual_map.h"
-#include "hil/diagnose/laws/no_input.h"
+#include "hil/diagnose/base/own_decay.h"
 #include "hil/diagnose/laws/no_input.h"
 
 namespace forcegate {
@@ -33,7 +33,10 @@ ModelComparison::AsWritten as_written(const RecordInput& r, const std::vector<do
 }
 
 Result<std::vector<ModelComparison::AsWritten>> as_written(const Model& model, CampaignInput rows, unsigned threads) {
-  for (RecordInput& r : rows.records) set_decay(r, model.law);
+  for (RecordInput& r : rows.records) {
+    diagnose::settle_excitation(r);
+    set_decay(r, model.law);
+  }
   const CampaignInFrame input(model.frame, std::move(rows));
   const std::vector<RecordInput>& records = input.input().records;
   std::vector<Result<ModelComparison::AsWritten>> made(records.size());

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "hil/diagnose/base/base_fit.h"
+#include "hil/model/rows.h"
 
 namespace forcegate::diagnose {
 
@@ -110,6 +111,14 @@ double lowest_force_of_decay(const RecordInput& record) {
     least = own.mean_square;
   }
   return found;
+}
+
+void settle_excitation(RecordInput& record) {
+  if (!record.dynamic) return;
+  record.F_min_N = lowest_force_of_decay(record);
+  if (!record.dynamic_assumed || !record.frequency_jumps_s.empty() || decays_by_itself(record)) return;
+  record.found_static = true;
+  set_static(record);
 }
 
 double left_by_decay(const RecordInput& record) {

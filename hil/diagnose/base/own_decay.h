@@ -30,6 +30,9 @@ bool decays_by_itself(const RecordInput& record);
 /// F_min, N, about which the swing of a cyclic record decays: another one that may be meant (RecordInput::other_F_min_N) where the record's own
 /// decay is clearly less by it, what was found otherwise.
 double lowest_force_of_decay(const RecordInput& record);
+/// Of a cyclic record: its lowest force so, and where nobody declared the cycling and its swing does not decay by itself, it is static: as a comparison
+/// takes it, whatever law it is compared with.
+void settle_excitation(RecordInput& record);
 /// Mean square, V^2, that a straight line whose slope decays from the record's onset on leaves of it, at the best rate and depth.
 double left_by_decay(const RecordInput& record);
 
