@@ -281,7 +281,7 @@ Result<TraceFile> read_mat(const std::filesystem::path& path, const CsvOptions& 
   if (inflate_failed)
     return fail(ErrorCode::parse, "the MAT file is damaged: a variable cannot be unpacked", path.string(), "copy it again from where it was recorded");
   if (table.columns.empty())
-    return fail(ErrorCode::parse, "the MAT file holds no real numeric vector", path.string(),
+    return fail(ErrorCode::parse, "the MAT file holds no real numeric vector" + (left_out.empty() ? std::string() : ", only " + some_of(left_out)), path.string(),
                 "store each signal as a vector variable, for instance t_s, F_ref_N, U_V");
   FORCEGATE_CHECK_OK(keep_one_length(table, left_out, path.string(), options));
   if (!left_out.empty()) table.notes.push_back("variables left out: " + join(left_out, ", "));

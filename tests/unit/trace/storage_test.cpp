@@ -234,6 +234,9 @@ TEST_F(Storage, AVariableThatIsLeftOutSaysWhyAndAForceOfAnotherLengthIsAnError) 
   ASSERT_TRUE(drift) << drift.error().to_text();
   EXPECT_THAT(drift->notes, ::testing::Contains("variables left out: F_ref_N (395 values, the record has 400)"));
 
+  std::ofstream(folder_ / "one.mat", std::ios::binary) << level4({{"fs", 1}});
+  EXPECT_EQ(read_mat(folder_ / "one.mat").error().text, "the MAT file holds no real numeric vector, only fs (one value)");
+
   std::ofstream(folder_ / "extra.mat", std::ios::binary) << level4({{"t_s", 400}, {"F_ref_N", 400}, {"U_V", 400}, {"limits", 7}, {"fs", 1}, {"force", 20}});
   const auto read = read_mat(folder_ / "extra.mat");
   ASSERT_TRUE(read) << read.error().to_text();
