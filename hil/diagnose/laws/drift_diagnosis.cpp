@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "hil/base/plain_number.h"
 #include "hil/diagnose/laws/drift.h"
 #include "hil/model/rows.h"
 #include "hil/trace/channels.h"
@@ -130,8 +131,9 @@ Result<Diagnosis> diagnose_drift(const Campaign& campaign) {
     break;
   }
   out.floor = std::sqrt(noise / n);
-  if (longest_mean_s > 0.0)
-    out.notes.push_back(fmt::format("errors and floor are of {} means of each record, over {:.3g} s; single samples scatter by {:.3g} {} RMS", kDriftBlocks, longest_mean_s, std::sqrt(sample_noise / n), out.unit));
+  if (const PrintedUnit unit = printed_unit(out.unit); longest_mean_s > 0.0)
+    out.notes.push_back(fmt::format("errors and floor are of {} means of each record, over {} s; single samples scatter by {} {} RMS", kDriftBlocks, plain_number(longest_mean_s),
+                                    plain_number(unit.factor * std::sqrt(sample_noise / n)), unit.name));
   out.error_before = std::sqrt(before / n);
   out.error_after = ranked.front().first;
   out.plain_before = out.error_before;

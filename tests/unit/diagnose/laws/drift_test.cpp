@@ -73,7 +73,7 @@ TEST(Drift, SaysThatItsErrorsAreThoseOfMeans) {
   const std::string says = "errors and floor are of 200 means of each record, over 10 s; single samples scatter by ";
   const auto told = std::find_if(d->notes.begin(), d->notes.end(), [&](const std::string& note) { return note.starts_with(says); });
   ASSERT_NE(told, d->notes.end());
-  EXPECT_NEAR(std::stod(told->substr(says.size())), 0.001, 3e-5) << *told;
+  EXPECT_NEAR(std::stod(told->substr(says.size())), 1.0, 0.03) << *told;  // mV
 }
 
 // A law that takes nearly all of the movement and leaves a hundred times the noise is not all there is.
