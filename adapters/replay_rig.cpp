@@ -203,6 +203,10 @@ class ReplayRig : public Rig {
     FORCEGATE_TRY(info_.v_range_V, either("v_range_V", 10.0));
     if (bits != std::floor(bits) || bits < 8 || bits > 16)
       return bad_option("adc_bits", shortest(bits), "must be 8 to 16");
+    std::vector<std::string> assumed;
+    for (const auto& [name, value] : {std::pair{"adc_bits", bits}, std::pair{"v_range_V", info_.v_range_V}})
+      if (!calibration.contains(name) && !options.contains(name)) assumed.push_back(std::string(name) + " = " + shortest(value));
+    if (!assumed.empty()) info_.details["assumed"] = join(assumed, ", ");
     if (info_.v_range_V < 0.1 || info_.v_range_V > 100.0) return bad_option("v_range_V", shortest(info_.v_range_V), "must be 0.1 to 100");
     info_.adc_bits = static_cast<int>(bits);
     FORCEGATE_TRY(const double rate_Hz, positive(options, "rate_Hz", 0.0));
@@ -305,15 +309,22 @@ class ReplayRig : public Rig {
 
   // Here and there a spike may go beyond the converter's range. A stretch of it is no voltage of that input.
   Result<void> check_range(const Channel& voltage, const std::string& path, std::vector<std::string>& notes) const {
-    std::size_t beyond = 0, first = 0, values = 0;
-    double largest_V = 0.0;
+    constexpr double kAtZero = 0.01;  // of the range
+    std::size_t beyond = 0, first = 0, values = 0, below = 0;
+    double largest_V = 0.0, lowest_V = 0.0;
     for (std::size_t i = 0; i < voltage.value.size(); ++i) {
       if (!std::isfinite(voltage.value[i])) continue;
       ++values;
+      below += voltage.value[i] < -kAtZero * info_.v_range_V;
+      lowest_V = std::min(lowest_V, voltage.value[i]);
       if (std::fabs(voltage.value[i]) <= kOverRange * info_.v_range_V) continue;
       if (beyond++ == 0) first = i + 1;
       largest_V = std::max(largest_V, std::fabs(voltage.value[i]));
     }
+    if (2 * below > values)
+      return fail(ErrorCode::config, "U is below 0 V in " + std::to_string(below) + " of " + std::to_string(values) + " rows, down to " + plain_number(lowest_V) + " V, and a converter of 0 to " +
+                      shortest(info_.v_range_V) + " V reads code 0 there", path,
+                  "where the output falls while the force rises its sign is reversed: exchange the leads of the sensor, or write -U into the column; else add the zero that it lacks");
     if (beyond == 0) return {};
     const std::string reaches = "U reaches " + plain_number(largest_V) + " V, the converter's range is " + shortest(info_.v_range_V) + " V";
     if (static_cast<double>(beyond) <= std::max(1.0, kSpikes * static_cast<double>(values))) {

@@ -141,7 +141,11 @@ Result<void> describe_static(SessionSheet& sheet, const Columns& c, double large
   StaticLine line;
   for (std::size_t i = 0; i < c.t_s.size(); ++i)
     line.push(static_cast<double>(c.sensor_V[i]), static_cast<double>(c.force_N[i]));
-  if (!line.answers(1e-6))
+  constexpr double kLeast_V2 = 1e-6, kAnswers = 0.5;  // correlation
+  if (line.variance_V2() > kLeast_V2 && line.covariance_VN() < -kAnswers * std::sqrt(line.variance_V2() * line.variance_N2()))
+    return fail(ErrorCode::device, "the output falls while the force rises", name,
+                "one of the two has the wrong sign: exchange the leads of the sensor, or turn the column over (U: full scale - U, F_ref: -F_ref)");
+  if (!line.answers(kLeast_V2))
     return fail(ErrorCode::device, "the sensor did not answer the force", name,
                 "is it the sensor's channel?");
   Calibration& k = sheet.calibration;
@@ -172,7 +176,13 @@ Result<SessionSheet> characterize_recording(Rig& rig, const std::string& name, B
   SessionSheet sheet;
   sheet.specimen = name;
   sheet.samples = columns.t_s.size();
-  sheet.calibration = nominal_calibration(rig.info());
+  const RigInfo info = rig.info();
+  sheet.calibration = nominal_calibration(info);
+  if (const auto assumed = info.details.find("assumed"); assumed != info.details.end()) {
+    sheet.assumed_converter = assumed->second;
+    sheet.notes.push_back("the converter is not stated: " + assumed->second + " in the calibration file " + (assumed->second.find(',') != std::string::npos ? "are" : "is") +
+                          " assumed; give yours, --rig-option adc_bits=N --rig-option v_range_V=VOLTS");
+  }
   const double largest_N =
       std::max(std::abs(static_cast<double>(*low)), std::abs(static_cast<double>(*high)));
   const Extrema all = find_extrema(columns, 0.25 * range_N);

@@ -39,6 +39,7 @@ struct SessionSheet {
   std::vector<DecayRecord> decays;
   std::vector<Curve> curves;  ///< only where wanted
   Calibration calibration;    ///< G and F0; b_scale and q_scale where identified
+  std::string assumed_converter;  ///< "adc_bits = 16, v_range_V = 10": what of the calibration nobody stated
   double calibration_rmse_N = 0.0;
   std::uint64_t samples = 0;
   std::vector<std::string> notes;  ///< what a reader of the values must know, one sentence each

@@ -297,6 +297,7 @@ Result<Campaign> read_campaign(const fs::path& path, const CampaignOptions& opti
   drop_copies(campaign);
   turn_compression_over(campaign, options.threads);
   note_contradictions(campaign);
+  note_unused_rate(campaign, options.assumed_rate_Hz);
   check_declared_facts(campaign);
   take_varied_supply(campaign);
   const bool chosen = std::ranges::any_of(options.column_map, [](const auto& entry) { return known_name(meaning_of(entry.second).name) == "U"; });

@@ -81,6 +81,45 @@ void drop_range_in_volts(Campaign& campaign) {
   bench.voltage_min_V = bench.voltage_max_V = kMissing;
 }
 
+/// Lowest and highest sample of all records that move; NaN: there is none in that unit.
+std::pair<double, double> range_of(const Campaign& campaign, const char* name, const char* unit) {
+  constexpr double kMoves = 20.0;  // mean steps from sample to sample, and smallest ones: noise and flickering codes span fewer
+  double low = kMissing, high = kMissing;
+  for (const Record& record : campaign.records) {
+    const Channel* channel = record.trace.find(name);
+    if (channel == nullptr || channel->unit != unit) continue;
+    double least = kMissing, most = kMissing, way = 0.0, steps = 0.0, finest = kMissing, before = kMissing;
+    for (const double v : channel->value) {
+      if (!std::isfinite(v)) continue;
+      least = std::fmin(least, v), most = std::fmax(most, v);
+      if (std::isfinite(before)) way += std::fabs(v - before), steps += 1.0;
+      if (v != before) finest = std::fmin(finest, std::fabs(v - before));
+      before = v;
+    }
+    if ((most - least) * steps > kMoves * way && most - least > kMoves * finest) low = std::fmin(low, least), high = std::fmax(high, most);
+  }
+  return {low, high};
+}
+
+// What is declared counts; of another unit it would be a thousand times too large.
+void note_facts_beyond_spans(Campaign& campaign) {
+  constexpr double kHardlyUsed = 200.0;  // ranges as wide as so many spans
+  const BenchFacts& bench = campaign.bench;
+  const auto note = [&](const std::string& declared, const char* name, const char* unit, std::pair<double, double> range) {
+    campaign.notes.push_back(declared + " " + unit + " is declared, and " + name + " of these records runs from " + plain_number(range.first) + " to " + plain_number(range.second) + " " + unit +
+                             ": is it in " + unit + "? It counts as it stands");
+  };
+  const auto force = range_of(campaign, "F_ref", "N"), output = range_of(campaign, "U", "V");
+  const double force_N = force.second - force.first;
+  for (const auto& [key, value] : {std::pair{"reference_noise_N", bench.reference_noise_N}, std::pair{"reference_resolution_N", bench.reference_resolution_N}})
+    if (force_N > 0.0 && value > force_N) note(std::string(key) + " " + shortest(value), "F_ref", "N", force);
+  const auto range = [&](const std::string& key, double low, double high, const char* name, const char* unit, std::pair<double, double> seen) {
+    if (const double span = seen.second - seen.first; span > 0.0 && high - low > kHardlyUsed * span) note(key + " [" + shortest(low) + ", " + shortest(high) + "]", name, unit, seen);
+  };
+  range("voltage_range_V", bench.voltage_min_V, bench.voltage_max_V, "U", "V", output);
+  range("force_range_N", bench.force_min_N, bench.force_max_N, "F_ref", "N", force);
+}
+
 void drop_overlapping_starts(Campaign& campaign) {
   struct Span {
     const Record* record;
@@ -186,10 +225,28 @@ void note_contradictions(Campaign& campaign) {
   drop_range_in_volts(campaign);
   note_beyond(campaign, "U", "V", "voltage_range_V", bench.voltage_min_V, bench.voltage_max_V);
   note_beyond(campaign, "F_ref", "N", "force_range_N", bench.force_min_N, bench.force_max_N);
+  note_facts_beyond_spans(campaign);
   drop_overlapping_starts(campaign);
   note_rests_beyond_starts(campaign);
   if (!campaign.records.empty() && std::ranges::all_of(campaign.records, [](const Record& r) { return r.role == RecordRole::heldout; }))
     campaign.notes.push_back("every record is held out, and none is left to be fitted: the roles are not used, records are fitted and left out in turn");
+}
+
+void note_unused_rate(Campaign& campaign, double given_Hz) {
+  constexpr double kAgrees = 1.05;
+  if (!(given_Hz > 0.0)) return;
+  std::vector<std::string> names;
+  double rate_Hz = 0.0;
+  for (const Record& record : campaign.records) {
+    if (record.trace.time_bases.empty()) continue;
+    const TimeBase& base = record.trace.time_bases.front();
+    if (base.invented || (base.nominal_rate_Hz < kAgrees * given_Hz && given_Hz < kAgrees * base.nominal_rate_Hz)) continue;
+    if (names.empty()) rate_Hz = base.nominal_rate_Hz;
+    names.push_back(record.name);
+  }
+  if (names.empty()) return;
+  campaign.notes.push_back(some_of(names) + ": the rate of " + shortest(given_Hz) + " Hz that was given is not used, for the clock of the file " +
+                           (rate_Hz > 0.0 ? "has " + plain_number(rate_Hz) + " Hz" : "has no one rate") + "; where that clock is wrong: --map NAME=unused");
 }
 
 Result<void> check_outputs_alike(const Campaign& campaign) {

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "hil/base/some_of.h"
 #include "hil/base/text.h"
 #include "hil/trace/columns.h"
 #include "hil/trace/missing_count.h"
@@ -126,6 +127,49 @@ Claim claimed_end(const std::filesystem::path& path, std::uint64_t size) {
   return {at};
 }
 
+// Why a variable is no column.
+std::string why_no_column(const matvar_t& v) {
+  if (v.class_type == MAT_C_CHAR) return "text";
+  if (v.class_type == MAT_C_STRUCT || v.class_type == MAT_C_CELL || v.class_type == MAT_C_OBJECT) return "a structure or cell: save its fields as vectors";
+  if (v.isComplex) return "complex numbers";
+  if (v.rank != 2) return std::to_string(v.rank) + " dimensions";
+  if (v.dims[0] * v.dims[1] < 2) return v.dims[0] * v.dims[1] == 1 ? "one value" : "empty";
+  if (v.dims[0] != 1 && v.dims[1] != 1) return "a matrix of " + std::to_string(v.dims[0]) + " x " + std::to_string(v.dims[1]);
+  return "no real numbers";
+}
+
+/// "t", "F_ref" and "U" are what every answer is made from; "" for any other.
+std::string needed_name(const std::string& header, const CsvOptions& options) {
+  const auto mapped = options.column_map.find(header);
+  const ColumnMeaning meaning = meaning_of(mapped != options.column_map.end() ? mapped->second : header);
+  if (meaning.is_clock) return "t";
+  const std::string known = known_name(meaning.name);
+  return known == "F_ref" || known == "U" ? known : std::string();
+}
+
+/// The length that most vectors share is that of the record. Another one is left out, but for a clock, force or output that nothing else in the file is.
+Result<void> keep_one_length(CsvTable& table, std::vector<std::string>& left_out, const std::string& where, const CsvOptions& options) {
+  std::map<std::size_t, std::size_t> lengths;
+  for (const CsvColumn& c : table.columns) ++lengths[c.value.size()];
+  std::size_t length = 0;
+  for (const auto& [n, count] : lengths)
+    if (length == 0 || count >= lengths[length]) length = n;
+  std::vector<std::string> kept;
+  for (const CsvColumn& c : table.columns)
+    if (c.value.size() == length) kept.push_back(c.header);
+  for (const CsvColumn& c : table.columns) {
+    if (c.value.size() == length) continue;
+    const std::string wanted = needed_name(c.header, options), size = std::to_string(c.value.size());
+    const bool is_only_one = std::ranges::none_of(kept, [&](const std::string& header) { return needed_name(header, options) == wanted; });
+    if (!wanted.empty() && is_only_one)
+      return fail(ErrorCode::parse, c.header + " has " + size + " values, and " + some_of(kept) + (kept.size() == 1 ? " has " : " have ") + std::to_string(length), where,
+                  "save them at one length, sample by sample; --map " + shell_quoted(c.header + "=unused") + " leaves it out");
+    left_out.push_back(c.header + " (" + size + " values, the record has " + std::to_string(length) + ")");
+  }
+  std::erase_if(table.columns, [&](const CsvColumn& c) { return c.value.size() != length; });
+  return {};
+}
+
 // The library tells of no failed write: what stands on the disk is counted.
 bool holds(const std::filesystem::path& path, std::size_t variables) {
   std::error_code failed;
@@ -226,7 +270,7 @@ Result<TraceFile> read_mat(const std::filesystem::path& path, const CsvOptions& 
     CsvColumn column;
     column.header = name;
     if (!column_of(*variable, column.value)) {
-      left_out.push_back(name);
+      left_out.push_back(name + " (" + why_no_column(*variable) + ")");
       continue;
     }
     if (variable->class_type == MAT_C_INT32) std::ranges::replace(column.value, missing_count, kMissing);
@@ -236,19 +280,10 @@ Result<TraceFile> read_mat(const std::filesystem::path& path, const CsvOptions& 
   }
   if (inflate_failed)
     return fail(ErrorCode::parse, "the MAT file is damaged: a variable cannot be unpacked", path.string(), "copy it again from where it was recorded");
-  // The length that most vectors share is that of the record.
-  std::map<std::size_t, std::size_t> lengths;
-  for (const CsvColumn& c : table.columns) ++lengths[c.value.size()];
-  std::size_t length = 0;
-  for (const auto& [n, count] : lengths)
-    if (length == 0 || count >= lengths[length]) length = n;
-  std::erase_if(table.columns, [&](const CsvColumn& c) {
-    if (c.value.size() != length) left_out.push_back(c.header);
-    return c.value.size() != length;
-  });
   if (table.columns.empty())
-    return fail(ErrorCode::parse, "the MAT file holds no real numeric vector", path.string(),
+    return fail(ErrorCode::parse, "the MAT file holds no real numeric vector" + (left_out.empty() ? std::string() : ", only " + some_of(left_out)), path.string(),
                 "store each signal as a vector variable, for instance t_s, F_ref_N, U_V");
+  FORCEGATE_CHECK_OK(keep_one_length(table, left_out, path.string(), options));
   if (!left_out.empty()) table.notes.push_back("variables left out: " + join(left_out, ", "));
   FORCEGATE_TRY(TraceFile out,
                 trace_of_table(std::move(table), path.string(), path.stem().string(), options));

@@ -17,6 +17,13 @@ std::string some_of(std::vector<std::string> names) {
   return join(names, ", ");
 }
 
+// 0, 1, 2: of samples as well as of seconds.
+bool counts_rows(const std::vector<double>& values) {
+  for (std::size_t i = 1; i < values.size(); ++i)
+    if (values[i] != values[i - 1] + 1.0) return false;
+  return values.size() > 2 && values.front() == std::floor(values.front());
+}
+
 bool is_dated(const TextColumn& column) { return column.hint.starts_with(kWhichIsTheMonth); }
 
 }  // namespace
@@ -35,6 +42,8 @@ Unexpected no_clock(const CsvTable& table, const std::vector<ColumnMeaning>& mea
     hint = dated->hint;
   } else if (likely == nullptr) {
     hint = "give --rate HZ, or \"fs_Hz\" in campaign.json, for a file without one";
+  } else if (counts_rows(likely->value)) {
+    hint = "\"" + likely->header + "\" counts the rows: give their rate, --rate HZ; where it counts seconds, --map " + shell_quoted(likely->header + "=t_s");
   } else {
     const std::string unknown = unknown_unit(likely->header), unit = may_count_days(likely->value) ? "days" : "s";
     hint = "say which is the clock, for instance --map " + shell_quoted(likely->header + "=t_" + unit) +

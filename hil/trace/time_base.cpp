@@ -99,6 +99,25 @@ std::string without_stamp(const std::vector<double>& stamps_s, const LineOfRow& 
   return times(n, "row has", "rows have") + " no time stamp (" + word + (n == 1 ? " " : "s ") + lines + more + "); dropped";
 }
 
+// Rows under one stamp that differ in nothing. A signal at rest repeats itself in packets as well: what changes between the stamps tells whether it would
+// have changed within them.
+bool are_copies(const std::vector<std::size_t>& rows, const std::vector<double>& stamps_s, const SameRow& same_row) {
+  constexpr std::size_t kFewestChanges = 8;
+  if (!same_row) return false;
+  std::size_t stamps = 0, changes = 0, repeats = 0;
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    const bool same = same_row(rows[i - 1], rows[i]);
+    if (stamps_s[rows[i]] == stamps_s[rows[i - 1]]) {
+      if (!same) return false;
+      ++repeats;
+    } else {
+      ++stamps;
+      changes += !same;
+    }
+  }
+  return changes * repeats >= kFewestChanges * stamps && changes >= kFewestChanges;
+}
+
 // Splitting cannot mend a file that was written from its end.
 Result<void> check_runs_forwards(const std::vector<double>& t, const std::string& where) {
   constexpr std::size_t kFewest = 3;
@@ -193,7 +212,11 @@ Result<Clock> make_clock(std::vector<double> stamps_s, const ClockSource& source
     for (const std::size_t r : rows)
       if (distinct.empty() || stamps_s[r] != stamps_s[distinct.back()]) distinct.push_back(r);
     const std::size_t repeated = rows.size() - distinct.size();
-    if (repeated > 1 && repeated * 100 > rows.size()) {
+    if (repeated > 1 && repeated * 100 > rows.size() && are_copies(rows, stamps_s, source.same_row)) {
+      clock.notes.push_back(std::to_string(repeated) + " of " + std::to_string(rows.size()) + " rows repeat the row before them, time stamp and every value; a copy is no second sample, and they are dropped");
+      rows = std::move(distinct);
+      for (const std::size_t r : rows) clock.base.t_s.push_back(stamps_s[r]);
+    } else if (repeated > 1 && repeated * 100 > rows.size()) {
       std::vector<double> ordered;
       for (const std::size_t r : rows) ordered.push_back(stamps_s[r]);
       std::optional<std::vector<double>> spread = spread_packets(ordered, source.declared_rate_Hz);

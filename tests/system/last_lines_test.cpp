@@ -147,6 +147,7 @@ TEST(Export, WithoutPlansTheHeaderIsThatOfTheModelAlone) {
   const ProcessResult r = pasted("cp " FORCEGATE_BINARY_DIR "/forcegate alone && ./alone export flexiforce --c comp.h", folder);
   EXPECT_EQ(r.exit_code, 0) << r.out << r.err;
   EXPECT_THAT(r.err, HasSubstr("there is no plan smoke here"));
+  EXPECT_THAT(pasted("./alone export flexiforce --json", folder).out, HasSubstr("there is no plan smoke here")) << "a program is told as well";
   EXPECT_NE(read_text(folder / "comp.h"), "");
   const ProcessResult named = pasted("./alone export flexiforce --plan nosuch --c other.h", folder);
   EXPECT_EQ(named.exit_code, 2);

@@ -184,9 +184,20 @@ TEST(NextVerb, CopiesRecordsOutOfSubfoldersAndForgetsTheCopyWhereTheRunFails) {
   EXPECT_FALSE(fs::exists(out / "day1"));
   EXPECT_TRUE(fs::exists(profile)) << "forces that somebody asked for stay";
 
-  const ProcessResult done = run(played);
+  // a recording may be saved in the folder that was made for it; one that is not named stands in the way
+  const std::string inside = (out / "rec1.csv").string();
+  fs::rename(played, inside);
+  write_text((out / "other.csv").string(), "t_s,F_ref_N,U_V\n");
+  const ProcessResult other = run(inside);
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_THAT(other.err, AllOf(HasSubstr("the output exists already, and holds other.csv"), HasSubstr("name every recording in it with --record")));
+  EXPECT_TRUE(fs::exists(inside));
+  fs::remove(out / "other.csv");
+
+  const ProcessResult done = run(inside);
   EXPECT_EQ(done.exit_code, 0) << done.err;
   EXPECT_TRUE(fs::exists(out / "day1" / "sine.csv"));
+  EXPECT_TRUE(fs::exists(inside));
   EXPECT_EQ(nlohmann::json::parse(read_text((out / "campaign.json").string()))["records"].size(), 2u);
 }
 

@@ -63,6 +63,7 @@ std::string calibration_text(const SessionSheet& sheet) {
       printable_utf8(sheet.specimen), sheet.session, shortest(c.gain_N_per_V), shortest(c.offset_N));
   if (c.level == CalibrationLevel::identified)
     out += fmt::format("b_scale = {}\nq_scale = {}\n", shortest(c.b_scale), shortest(c.q_scale));
+  if (!sheet.assumed_converter.empty()) out += "# assumed, since nothing states the converter: " + sheet.assumed_converter + "\n";
   return out + fmt::format("adc_bits = {}\nv_range_V = {}\nlevel = \"{}\"\n", c.adc_bits,
                            shortest(c.v_range_V), to_string(c.level));
 }

@@ -7,12 +7,12 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "hil/app/diagnose/campaign_copy.h"
 #include "hil/app/files/write_file.h"
 #include "hil/app/mystery/mystery.h"
 #include "hil/base/plain_number.h"
 #include "hil/base/text.h"
 #include "hil/diagnose/next/rival_odds.h"
-#include "hil/trace/campaign_description.h"
 #include "hil/trace/csv.h"
 
 namespace forcegate {
@@ -21,8 +21,6 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kProfiles = "profiles";  // forces that were asked for
-
 std::string slug(const std::string& text) {
   std::string out;
   for (char c : text)
@@ -30,107 +28,6 @@ std::string slug(const std::string& text) {
                ? static_cast<char>(std::tolower(static_cast<unsigned char>(c)))
                : '_';
   return out;
-}
-
-// What a run leaves that could play nothing: the forces to record, if anything.
-bool holds_only_profiles(const fs::path& folder) {
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error))
-    if (entry.path().filename() != kProfiles) return false;
-  return !error;
-}
-
-// The copy was made for records that never came. Forces that a person may still record stay.
-void forget_copy(const fs::path& folder, bool keep_profiles) {
-  std::error_code error;
-  if (!keep_profiles) {
-    fs::remove_all(folder, error);
-    return;
-  }
-  for (const auto& entry : fs::directory_iterator(folder, error))
-    if (entry.path().filename() != kProfiles) fs::remove_all(entry.path(), error);
-  fs::remove(folder, error);  // where it is empty
-}
-
-// Until the records are there: whatever ends the run before leaves the folder as it was found.
-class Copy {
- public:
-  Copy(fs::path folder, bool keep_profiles) : folder_(std::move(folder)), keep_profiles_(keep_profiles) {}
-  Copy(const Copy&) = delete;
-  Copy& operator=(const Copy&) = delete;
-  ~Copy() {
-    if (!kept_) forget_copy(folder_, keep_profiles_);
-  }
-  void keep() { kept_ = true; }
-
- private:
-  fs::path folder_;
-  bool keep_profiles_, kept_ = false;
-};
-
-Result<void> check_new(const fs::path& folder) {
-  std::error_code error;
-  if (fs::exists(folder, error) && !holds_only_profiles(folder))
-    return fail(ErrorCode::usage, "the output exists already", folder.string(), "choose another folder with -o");
-  return {};
-}
-
-bool leaves_folder(const fs::path& file) { return file.is_absolute() || *file.lexically_normal().begin() == ".."; }
-
-// The records of a description that stand in subfolders are copied to their place, those outside of the folder are named where they are.
-Result<void> copy_listed(const std::vector<DescribedRecord>& listed, const fs::path& from, const fs::path& to, Json& description) {
-  std::error_code error;
-  for (std::size_t k = 0; k < listed.size(); ++k) {
-    const fs::path file = listed[k].file;
-    if (leaves_folder(file)) {
-      description["records"][k]["file"] = fs::absolute(from / file).lexically_normal().string();
-      continue;
-    }
-    if (fs::exists(to / file, error)) continue;
-    fs::create_directories((to / file).parent_path(), error);
-    fs::copy_file(from / file, to / file, error);
-    if (error) return fail(ErrorCode::io, "the record cannot be copied: " + error.message(), (from / file).string(), "is the disk full?");
-  }
-  return {};
-}
-
-// A whole campaign with a description that lists its records, in a new folder.
-Result<void> copy_campaign(const fs::path& from, const fs::path& to) {
-  std::error_code error;
-  const bool is_file = fs::is_regular_file(from, error), single = is_file && from.extension() != ".json";
-  const fs::path folder = is_file ? from.parent_path() : from;
-  const fs::path described = single ? fs::path() : is_file ? from : from / "campaign.json";
-  fs::create_directories(to, error);
-  std::vector<fs::path> files;
-  if (single)
-    files.push_back(from);
-  else
-    for (const auto& entry : fs::directory_iterator(folder.empty() ? fs::path(".") : folder, error))
-      if (entry.is_regular_file()) files.push_back(entry.path());
-  std::vector<std::string> records;
-  for (const fs::path& file : files) {
-    fs::copy_file(file, to / file.filename(), error);
-    if (error) return fail(ErrorCode::io, "the campaign cannot be copied: " + error.message(), to.string(), "is the disk full?");
-    const std::string ending = file.extension().string();
-    if (single || ending == ".csv" || ending == ".h5" || ending == ".hdf5" || ending == ".mat") records.push_back(file.filename().string());
-  }
-  Json json = {{"campaign", to.filename().string()}};
-  if (fs::exists(described, error)) {
-    FORCEGATE_TRY(const CampaignDescription description, read_description(described));
-    std::ifstream text(described, std::ios::binary);
-    json = Json::parse(text, nullptr, false, true);
-    if (description.records) {
-      const Json before = json;
-      FORCEGATE_CHECK_OK(copy_listed(*description.records, folder, to, json));
-      if (json == before && described.filename() == "campaign.json") return {};  // copied as it was written
-      return write_file_atomically(to / "campaign.json", json.dump(1) + "\n");
-    }
-  }
-  std::ranges::sort(records, natural_less);
-  Json list = Json::array();
-  for (const std::string& file : records) list.push_back({{"file", file}});
-  json["records"] = list;
-  return write_file_atomically(to / "campaign.json", json.dump(1) + "\n");
 }
 
 Result<fs::path> write_profile(const ExperimentSegment& s, const fs::path& folder, std::size_t number) {
@@ -210,11 +107,13 @@ Result<std::vector<Recording>> read_recordings(const std::vector<fs::path>& path
 Result<void> append_recording(const fs::path& source, const fs::path& folder, const std::string& kind) {
   std::error_code error;
   const fs::path target = folder / source.filename();
-  if (fs::exists(target, error))
-    return fail(ErrorCode::usage, "there is such a record already", target.string(), "rename the recording");
-  fs::copy_file(source, target, error);
-  if (error)
-    return fail(ErrorCode::io, "the recording cannot be copied: " + error.message(), target.string());
+  if (!fs::equivalent(source, target, error)) {  // who saved it in the new folder has put it in its place
+    if (fs::exists(target, error))
+      return fail(ErrorCode::usage, "there is such a record already", target.string(), "rename the recording");
+    fs::copy_file(source, target, error);
+    if (error)
+      return fail(ErrorCode::io, "the recording cannot be copied: " + error.message(), target.string());
+  }
   std::ifstream file(folder / "campaign.json", std::ios::binary);
   Json json = Json::parse(file, nullptr, false, true);
   if (json.is_discarded())
@@ -242,7 +141,7 @@ fs::path next_folder(const fs::path& campaign) {
 }
 
 Result<std::vector<fs::path>> write_profiles(const NextExperiment& planned, const fs::path& folder) {
-  FORCEGATE_CHECK_OK(check_new(folder));
+  FORCEGATE_CHECK_OK(check_new(folder, {}));
   std::vector<fs::path> out;
   for (std::size_t k = 0; k < planned.segments.size(); ++k) {
     FORCEGATE_TRY(fs::path path, write_profile(planned.segments[k], folder, k + 1));
@@ -268,9 +167,9 @@ Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingPro
   if (from.filename().empty()) from = from.parent_path();
   out.folder = !request.output.empty() ? request.output : next_folder(from);
   FORCEGATE_TRY(std::vector<Recording> recordings, read_recordings(request.recorded));
-  FORCEGATE_CHECK_OK(check_new(out.folder));
+  FORCEGATE_CHECK_OK(check_new(out.folder, request.recorded));
   const bool on_rig = request.bench.rig != "replay";
-  Copy copy(out.folder, !on_rig || fs::exists(out.folder, error));
+  CampaignCopy copy(out.folder, !on_rig || fs::exists(out.folder, error));
   FORCEGATE_CHECK_OK(copy_campaign(from, out.folder));
   std::vector<ProfileToRecord> profiles;
   std::vector<MysterySegment> asked;

@@ -37,7 +37,7 @@ struct NextRunResult {
 
 /// Nothing of the old campaign is changed or overwritten; records that its description lists in subfolders are copied, those outside of its folder named
 /// where they are. Errors: those of the diagnosis and of the rig; usage when the
-/// output exists. Where no segment is planned, nothing is played and no folder made. After an error the new folder is gone but for the forces to record, and for what a rig has played.
+/// output holds anything but forces to record and the recordings of this run. Where no segment is planned, nothing is played and no folder made. After an error the new folder is gone but for the forces to record, and for what a rig has played.
 Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingProgress& progress = {},
                                const std::atomic<bool>* cancelled = nullptr);
 

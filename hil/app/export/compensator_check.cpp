@@ -226,6 +226,32 @@ struct Thinned {
   }
 };
 
+// Of the converter, in the output's unit.
+struct Step {
+  double size = 0.0;
+  std::string assumed;
+};
+
+Step step_of(const BenchFacts& bench, const std::string& unit) {
+  constexpr int kBits = 16;
+  constexpr double kRange_V = 10.0;
+  if (unit == "counts") return {1.0, ""};
+  if (unit != "V") return {};
+  const bool has_bits = bench.adc_bits > 0, has_range = std::isfinite(bench.voltage_max_V);
+  const double low_V = has_range && std::isfinite(bench.voltage_min_V) ? bench.voltage_min_V : 0.0, range_V = has_range ? bench.voltage_max_V - low_V : kRange_V;
+  const int bits = has_bits ? bench.adc_bits : kBits;
+  Step out{range_V / (std::ldexp(1.0, bits) - 1.0), ""};
+  if (!has_bits || !has_range)
+    out.assumed = fmt::format("an LSB is here that of {} bits over {} V; the campaign does not say {}: write {} into \"bench\" of campaign.json", bits, shortest(range_V),
+                              has_range  ? "how many bits the converter has"
+                              : has_bits ? "what range the converter has"
+                                         : "what converter it is",
+                              has_range  ? "adc_bits"
+                              : has_bits ? "voltage_range_V"
+                                         : "adc_bits and voltage_range_V");
+  return out;
+}
+
 }  // namespace
 
 Result<CompensatorCheck> check_compensator(const Model& model, const Compensator& compensator, double rate_Hz,
@@ -236,10 +262,9 @@ Result<CompensatorCheck> check_compensator(const Model& model, const Compensator
   const CampaignInput& input = in_frame.input();
   CompensatorCheck out;
   out.compiler = "cc -std=c11 -O2 -ffp-contract=off";
-  const double range_V = std::isfinite(campaign.bench.voltage_max_V) ? campaign.bench.voltage_max_V : 10.0;
-  const int bits = campaign.bench.adc_bits > 0 ? campaign.bench.adc_bits : 16;
-  out.lsb_N = std::fabs(model.law.gain_N_per_V) *
-              (model.output_unit == "V" ? range_V / (std::ldexp(1.0, bits) - 1.0) : model.output_unit == "counts" ? 1.0 : 0.0);
+  const Step step = step_of(campaign.bench, model.output_unit);
+  out.lsb_N = std::fabs(model.law.gain_N_per_V) * step.size;
+  out.assumed = step.assumed;
   const double G = model.law.gain_N_per_V, F0 = model.law.offset_N;
   std::vector<Thinned> kept;
   Line plain_line, compensated_line;

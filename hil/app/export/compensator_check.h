@@ -34,7 +34,8 @@ struct ReplayedRecord {
 struct CompensatorCheck {
   std::vector<ReplayedRecord> records;
   double largest_N = 0.0;
-  double lsb_N = 0.0;  ///< of the campaign's converter: |G| v_range / (2^bits - 1) of volts, |G| of counts; 0: a unit that no converter gives
+  double lsb_N = 0.0;  ///< of the campaign's converter: |G| range / (2^bits - 1) of volts, |G| of counts; 0: a unit that no converter gives
+  std::string assumed;  ///< what lsb_N takes for granted because the campaign does not say it; "" nothing
   double plain_rms_N = 0.0, compensated_rms_N = 0.0;  ///< records weigh the same
   double raw_plain_rms_N = 0.0, raw_compensated_rms_N = 0.0;  ///< the same with gain and offset of the model
   double line_gain = 1.0, line_zero_N = 0.0;                  ///< F = gain * (what the header says) + zero, the best over the campaign

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -31,20 +32,31 @@ Result<void> set_reference(Model& model, double given_C) {
 
 constexpr double kWorse = 1.02;
 
+std::vector<std::string> fit_notes(const ExportResult& r) {
+  std::vector<std::string> out;
+  const std::size_t worse = static_cast<std::size_t>(std::ranges::count_if(r.fit->records, [](const auto& item) { return item.model_V > kWorse * item.law_V; }));
+  if (!r.compensator.effects.empty() && worse > 0)
+    out.push_back(fmt::format("{} of {} records {} worse with the effects than with the law alone", worse, r.fit->records.size(), worse == 1 ? "is" : "are"));
+  out.insert(out.end(), r.fit->notes.begin(), r.fit->notes.end());
+  return out;
+}
+
+std::vector<std::string> notes_of(const ExportResult& r) {
+  std::vector<std::string> out;
+  if (!r.self.made) out.push_back("not held against the model's own inverse: " + r.self.why_not);
+  out.insert(out.end(), r.notes.begin(), r.notes.end());
+  return out;
+}
+
 std::string fit_text(const ExportResult& r) {
   const PrintedUnit unit = printed_unit(r.input_unit);
   const bool bare = r.compensator.effects.empty();
   const auto left_out = [&](double V) { return plain_number(unit.factor * V); };
   std::string out = "one law for all records, as a firmware has it: error of records left out " + left_out(r.fit->law_left_out_V) +
                     (bare ? " " + unit.name : fmt::format(" -> {} {} with the effects", left_out(r.fit->left_out_V), unit.name)) + "\n";
-  std::size_t worse = 0;
-  for (const auto& item : r.fit->records) {
+  for (const auto& item : r.fit->records)
     out += fmt::format("    {:<28} {:>8.1f}{} {}\n", item.record, unit.factor * item.law_V, bare ? "" : fmt::format(" -> {:.1f}", unit.factor * item.model_V), unit.name);
-    if (item.model_V > kWorse * item.law_V) ++worse;
-  }
-  if (!bare && worse > 0)
-    out += fmt::format("note: {} of {} records {} worse with the effects than with the law alone\n", worse, r.fit->records.size(), worse == 1 ? "is" : "are");
-  for (const std::string& note : r.fit->notes) out += "note: " + note + "\n";
+  for (const std::string& note : fit_notes(r)) out += "note: " + note + "\n";
   return out;
 }
 
@@ -68,6 +80,7 @@ std::string check_text(const ExportResult& r) {
   const std::string raw = errors(check.raw_plain_rms_N, check.raw_compensated_rms_N), line = errors(check.plain_rms_N, check.compensated_rms_N);
   out += fmt::format("    {:<28} {:>7} {}\n", "all records", "", check.by_model ? raw : line);
   out += fmt::format("    {:<36} {}\n", check.by_model ? "with the best straight line instead" : "gain and offset of the model instead", check.by_model ? line : raw);
+  if (!check.assumed.empty()) out += "note: " + check.assumed + "\n";
   for (const std::string& objection : objections(check)) out += "warning: " + objection + "\n";
   if (!check.far_off.empty()) out += "warning: " + check.far_off + "\n";
   return out;
@@ -158,9 +171,8 @@ std::string export_text(const ExportResult& r) {
     out += fmt::format(
         "  takes back what the calibration makes of it ({}): gain x {:.4f}, offset {:+.4f} N\n",
         r.calibration.protocol, 1.0 / r.calibration.alpha, -r.calibration.beta_N / r.calibration.alpha);
-  out += r.self.made ? fmt::format("  held against the model's own inverse from {:.2g} to {:.2g} N: at most {:.2g} N apart\n", r.self.low_N, r.self.high_N, r.self.largest_N)
-                     : "note: not held against the model's own inverse: " + r.self.why_not + "\n";
-  for (const std::string& note : r.notes) out += "note: " + note + "\n";
+  if (r.self.made) out += fmt::format("  held against the model's own inverse from {:.2g} to {:.2g} N: at most {:.2g} N apart\n", r.self.low_N, r.self.high_N, r.self.largest_N);
+  for (const std::string& note : notes_of(r)) out += "note: " + note + "\n";
   if (r.check) out += check_text(r);
   return out;
 }
@@ -175,9 +187,13 @@ std::string export_json(const ExportResult& r) {
                                 {"state_bytes", r.compensator.state_bytes},
                                 {"noise_gain", r.compensator.noise_gain},
                                 {"needs_temperature", r.compensator.needs_temperature},
-                                {"notes", r.notes}};
+                                {"notes", notes_of(r)}};
   if (r.self.made) out["self_check"] = {{"low_N", r.self.low_N}, {"high_N", r.self.high_N}, {"largest_N", r.self.largest_N}, {"at_N", r.self.at_N}};
-  if (r.fit) out["fit"] = {{"law_left_out_V", r.fit->law_left_out_V}, {"left_out_V", r.fit->left_out_V}, {"notes", r.fit->notes}};
+  if (r.fit) {
+    nlohmann::ordered_json records = nlohmann::ordered_json::array();
+    for (const auto& item : r.fit->records) records.push_back({{"record", item.record}, {"law_V", item.law_V}, {"model_V", item.model_V}});
+    out["fit"] = {{"law_left_out_V", r.fit->law_left_out_V}, {"left_out_V", r.fit->left_out_V}, {"records", records}, {"notes", fit_notes(r)}};
+  }
   if (r.calibration.known)
     out["calibration"] = {{"protocol", r.calibration.protocol},
                           {"alpha", r.calibration.alpha},
@@ -202,6 +218,7 @@ std::string export_json(const ExportResult& r) {
     out["check"] = {{"compiler", r.check->compiler},
                     {"largest_N", r.check->largest_N},
                     {"lsb_N", r.check->lsb_N},
+                    {"assumed", r.check->assumed},
                     {"plain_rms_N", r.check->plain_rms_N},
                     {"compensated_rms_N", r.check->compensated_rms_N},
                     {"raw_plain_rms_N", r.check->raw_plain_rms_N},

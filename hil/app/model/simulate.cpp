@@ -7,6 +7,7 @@
 #include "hil/app/files/write_file.h"
 #include "hil/app/model/clean_input.h"
 #include "hil/base/plain_number.h"
+#include "hil/trace/columns.h"
 
 namespace forcegate {
 
@@ -31,13 +32,26 @@ class NewFiles {
   bool kept_ = false;
 };
 
+// A header that reads back as what it was; a bare ratio has none.
+struct OutputColumn {
+  explicit OutputColumn(const std::string& unit) : name(unit == "1" ? "pct" : unit), factor(unit == "1" ? 100.0 : 1.0) {}
+  std::string name;
+  double factor;
+};
+
 }  // namespace
 
 Result<Simulation> simulate_request(const CampaignRequest& request, const std::filesystem::path& folder, const std::atomic<bool>* interrupted) {
   FORCEGATE_TRY(Campaign campaign, load_campaign(request));
-  FORCEGATE_TRY(const Model model, load_model(request, campaign));
+  FORCEGATE_TRY(const Model model, request.model.empty() ? load_model(request, campaign) : load_model(request.model));
   Simulation out;
   out.unit = output_unit(campaign);
+  out.model_unit = model.output_unit;
+  out.notes = campaign.notes;
+  if (!out.is_comparable())
+    out.notes.push_back("the model gives an output in " + out.model_unit + ", and these records hold it in " + out.unit +
+                        ": the two columns cannot be compared, and no error is told; forcegate fit CAMPAIGN -o FILE makes a model in " + out.unit);
+  const OutputColumn measured(out.unit), modelled(out.model_unit);
   FORCEGATE_TRY(CampaignInput rows, clean_input(std::move(campaign), request.threads));
   for (RecordInput& r : rows.records) set_decay(r, model.law);
   const CampaignInFrame input(model.frame, std::move(rows));
@@ -47,24 +61,25 @@ Result<Simulation> simulate_request(const CampaignRequest& request, const std::f
   for (const RecordInput& r : input.input().records) {
     if (interrupted != nullptr && *interrupted) return fail(ErrorCode::cancelled, "interrupted: what was written is taken back", folder.string());
     FORCEGATE_TRY(const std::vector<double> U, model_output_V(model, input, r));
-    std::string text = "t_s,F_ref_N,U_V,U_model_V\n";
+    std::string text = "t_s,F_ref_N," + header_of("U", measured.name) + "," + header_of("U_model", modelled.name) + "\n";
     double square = 0.0;
     std::size_t counted = 0;
     for (std::size_t i = 0; i < r.rows(); ++i) {
       // a row without a sample of force or output, or with one that is none of the sensor's, has no error; its model is what the force before it makes of it
       if (r.ok[i] == 0) {
-        text += fmt::format("{:.6g},,,{:.6g}\n", r.t_s[i], U[i]);
+        text += fmt::format("{:.6g},,,{:.6g}\n", r.t_s[i], modelled.factor * U[i]);
         continue;
       }
-      text += fmt::format("{:.6g},{:.6g},{:.6g},{:.6g}\n", r.t_s[i], r.F_N[i], r.U_V[i], U[i]);
+      text += fmt::format("{:.6g},{:.6g},{:.6g},{:.6g}\n", r.t_s[i], r.F_N[i], measured.factor * r.U_V[i], modelled.factor * U[i]);
       square += (r.U_V[i] - U[i]) * (r.U_V[i] - U[i]);
       ++counted;
     }
     const auto file = folder / (r.name + ".csv");
     files.about_to_make(file);
     FORCEGATE_CHECK_OK(write_file_atomically(file, text));
-    out.items.push_back({r.name, file, r.rows(), r.row_step_s, r.fast_t_s.size() > r.rows(),
-                         std::sqrt(square / static_cast<double>(std::max<std::size_t>(1, counted)))});
+    Simulation::Item item{r.name, file, r.rows(), r.row_step_s, r.fast_t_s.size() > r.rows(), std::nullopt};
+    if (out.is_comparable()) item.rmse_V = std::sqrt(square / static_cast<double>(std::max<std::size_t>(1, counted)));
+    out.items.push_back(std::move(item));
   }
   files.keep();
   return out;
@@ -74,8 +89,9 @@ std::string simulation_text(const Simulation& s) {
   const PrintedUnit unit = printed_unit(s.unit);
   std::string out;
   for (const Simulation::Item& item : s.items)
-    out += fmt::format("{}: {} rows{}, model against measurement {} {} RMS\n", item.file.string(), item.rows,
-                       item.is_thinned ? fmt::format(" (means of {:.3g} ms)", 1e3 * item.row_s) : "", plain_number(unit.factor * item.rmse_V), unit.name);
+    out += fmt::format("{}: {} rows{}{}\n", item.file.string(), item.rows,
+                       item.is_thinned ? fmt::format(" (means of {:.3g} ms)", 1e3 * item.row_s) : "",
+                       item.rmse_V ? ", model against measurement " + plain_number(unit.factor * *item.rmse_V) + " " + unit.name + " RMS" : "");
   return out;
 }
 

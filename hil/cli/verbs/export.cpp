@@ -54,10 +54,11 @@ Result<int> run(const Invocation& in) {
   if (in.given("output") && !in.given("fit"))
     return fail(ErrorCode::usage, "-o names the model file that --fit writes", "-o " + in.text("output"), "the header is --c FILE");
   request.fitted = in.text("output");
-  FORCEGATE_TRY(const ExportResult answer, export_model(request));
-  if (without_plan)
-    in.console().note("there is no plan " + in.text("plan") + " here, whose calibration would be taken back: the firmware must calibrate by the model, as with --plan none");
+  FORCEGATE_TRY(ExportResult answer, export_model(request));
+  const std::string no_plan = "there is no plan " + in.text("plan") + " here, whose calibration would be taken back: the firmware must calibrate by the model, as with --plan none";
+  if (without_plan) in.console().note(no_plan);
   in.console().print(export_text(answer));
+  if (without_plan) answer.notes.push_back(no_plan);
   in.console().print_json(export_json(answer));
   if (answer.check && !objections(*answer.check).empty()) {
     // no diagnosis tells more of it, and one whose model leaves nothing would lead back here

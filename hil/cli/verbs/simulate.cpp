@@ -14,10 +14,17 @@ Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const CampaignRequest request, campaign_request(in, in.text("CAMPAIGN"), named_model(in)));
   FORCEGATE_TRY(const Simulation answer, simulate_request(request, in.text("output"), &in.interrupt_flag()));
   in.console().print(simulation_text(answer));
+  in.console().notes(answer.notes);
   nlohmann::ordered_json records = nlohmann::ordered_json::array();
   for (const Simulation::Item& item : answer.items)
-    records.push_back({{"record", printable_utf8(item.record)}, {"file", printable_utf8(item.file.string())}, {"rows", item.rows}, {"rmse_V", item.rmse_V}});
-  in.console().print_json(nlohmann::ordered_json{{"format", 1}, {"unit", answer.unit}, {"records", records}}.dump(2));
+    records.push_back({{"record", printable_utf8(item.record)},
+                       {"file", printable_utf8(item.file.string())},
+                       {"rows", item.rows},
+                       {"rmse_V", item.rmse_V ? nlohmann::ordered_json(*item.rmse_V) : nlohmann::ordered_json(nullptr)}});
+  nlohmann::ordered_json notes = nlohmann::ordered_json::array();
+  for (const std::string& note : answer.notes) notes.push_back(printable_utf8(note));
+  in.console().print_json(
+      nlohmann::ordered_json{{"format", 1}, {"unit", answer.unit}, {"model_unit", answer.model_unit}, {"records", records}, {"notes", notes}}.dump(2));
   in.console().next("forcegate compare " + campaign_words(in, in.text("CAMPAIGN")) + model_words(in));
   return kExitSuccess;
 }

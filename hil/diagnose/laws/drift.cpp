@@ -36,15 +36,15 @@ constexpr std::array<DriftLaw, 5> kLaws{{
        return fmt::format("the output moves steadily{} by {:.3g} {}/s", from, f.size, unit);
      }},
     {.name = "exponential",
-     .course = [](double s, double tau) { return std::exp(-s / tau); },
-     .primitive = [](double s, double tau) { return -tau * std::expm1(-(s / tau)); },
+     .course = [](double s, double tau) { return -std::expm1(-(s / tau)); },
+     .primitive = [](double s, double tau) { return s + tau * std::expm1(-(s / tau)); },
      .shape_low = of_record,
      .shape_high = [](double record_s) { return record_s * 10.0; },
      .shape_name = "tau_s",
      .shape_unit = "s",
      .per = "",
      .sentence = [](const DriftFit& f, const std::string& from, const std::string& unit) {
-       return fmt::format("the output moves exponentially{} towards {:.4g} {} with one time constant of {:.3g} s", from, f.constant, unit, f.shape);
+       return fmt::format("the output moves exponentially{} towards {:.4g} {} with one time constant of {:.3g} s", from, f.constant + f.size, unit, f.shape);
      }},
     {.name = "logarithm",
      .course = [](double s, double t1) { return std::log10(1.0 + s / t1); },

@@ -34,10 +34,10 @@ struct DriftLaw {
 
 ///   constant     U = c
 ///   line         U = c + k t
-///   exponential  U = c + a exp(-(t - t0) / tau), t > t0          (a leak, a relaxation with one time constant)
+///   exponential  U = c + a (1 - exp(-(t - t0) / tau)), t > t0    (a leak, a relaxation with one time constant)
 ///   logarithm    U = c + a log10(1 + (t - t0) / t1)              (creep; t1 at most a tenth of the record)
 ///   power        U = c + a ((t - t0) / 1 s)^p, 0.02 <= p <= 0.9  (fractional creep)
-/// with U constant before t0 >= 0 where the drift sets in later than the record. The constant is the first.
+/// with U constant before t0 >= 0 where the drift sets in later than the record; k and a are positive where the output rises. The constant is the first.
 const std::array<DriftLaw, 5>& drift_laws();
 
 /// One law for one record, fitted by least squares on block means.
@@ -73,7 +73,7 @@ Result<RecordDrift> fit_drift(const std::string& record, const std::vector<doubl
 
 /// Verdict "none" when nothing drifts; "known", finding "drift" with its law, when one law predicts the parts that were
 /// left out clearly better than the others; else "unknown", depends on time. The side cannot be told: it is "unknown". Each record has its error
-/// with the constant and with the law on tenths that were left out.
+/// with the constant and with the law on tenths that were left out. All errors and floors are of block means, which a note says.
 /// Errors: a record has no output channel (its columns are listed).
 Result<Diagnosis> diagnose_drift(const Campaign& campaign);
 

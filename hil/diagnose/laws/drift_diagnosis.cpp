@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "hil/base/plain_number.h"
 #include "hil/diagnose/laws/drift.h"
 #include "hil/model/rows.h"
 #include "hil/trace/channels.h"
@@ -79,6 +80,7 @@ Result<Diagnosis> diagnose_drift(const Campaign& campaign) {
   Diagnosis out;
   out.campaign = campaign.name;
   out.model = "law of time";
+  out.judged_by = JudgedBy::left_out;
   out.notes = campaign.notes;
   const bool has_force = std::ranges::any_of(campaign.records, [](const Record& r) { return r.trace.find("F_ref") != nullptr; });
   out.notes.push_back(has_force ? "no record has an input that moves: only the drift of the output can be judged"
@@ -89,6 +91,7 @@ Result<Diagnosis> diagnose_drift(const Campaign& campaign) {
   std::vector<RecordDrift> drifts;
   double before = 0.0, noise = 0.0;
   bool moves = false, wavers = false;
+  double longest_mean_s = 0.0, sample_noise = 0.0;
   constexpr double kFarAbove = 2.0, kOfSample = 0.5;  // noise of a mean, and of a sample: instruments wander by less
   for (const Record& record : campaign.records) {
     const Channel* U = output_of(record);
@@ -99,9 +102,13 @@ Result<Diagnosis> diagnose_drift(const Campaign& campaign) {
     if (&record == &campaign.records.front()) tell_unused(record, *U, out);
     FORCEGATE_TRY(RecordDrift drift,
                   fit_drift(record.name, record.trace.time_bases[U->time_base].t_s, U->value));
+    const std::vector<double>& t_s = record.trace.time_bases[U->time_base].t_s;
+    const double of_sample = movement_of(U->value).noise;
+    if (t_s.size() > kDriftBlocks) longest_mean_s = std::max(longest_mean_s, (t_s.back() - t_s.front()) / static_cast<double>(kDriftBlocks));
+    sample_noise += of_sample * of_sample;
     moves |= drift.span > 6.0 * drift.noise;
     const double left = drift.fits.front().left_out_rms;
-    wavers |= left > kFarAbove * drift.noise && left > kOfSample * movement_of(U->value).noise;
+    wavers |= left > kFarAbove * drift.noise && left > kOfSample * of_sample;
     tell_recorded_causes(record, *U, out);
     for (const DriftFit& f : drift.fits) {
       left_out[std::string(f.law->name)] += f.left_out_rms * f.left_out_rms;
@@ -124,6 +131,9 @@ Result<Diagnosis> diagnose_drift(const Campaign& campaign) {
     break;
   }
   out.floor = std::sqrt(noise / n);
+  if (const PrintedUnit unit = printed_unit(out.unit); longest_mean_s > 0.0)
+    out.notes.push_back(fmt::format("errors and floor are of {} means of each record, over {} s; single samples scatter by {} {} RMS", kDriftBlocks, plain_number(longest_mean_s),
+                                    plain_number(unit.factor * std::sqrt(sample_noise / n)), unit.name));
   out.error_before = std::sqrt(before / n);
   out.error_after = ranked.front().first;
   out.plain_before = out.error_before;

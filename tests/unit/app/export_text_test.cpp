@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "hil/app/export/export.h"
 
 namespace forcegate {
@@ -23,6 +25,29 @@ TEST(ExportText, SaysWhatEveryNumberOfAReplayedRecordIs) {
     EXPECT_THAT(text, HasSubstr("against recorded force and the largest difference from the model's own inverse, RMS in mN (the law alone"));
     EXPECT_THAT(text, HasSubstr(bare ? " s    180.0, difference 2 LSB" : " s    180.0 -> 180.0, difference 2 LSB"));
   }
+}
+
+TEST(ExportJson, SaysWhatTheTextNotes) {
+  ExportResult r;
+  r.compensator.effects = {"creep"};
+  r.self.why_not = "there is no C compiler";
+  r.fit.emplace();
+  r.fit->records = {{"a", 0.01, 0.02}, {"b", 0.02, 0.01}};
+  r.fit->notes = {"of the fit"};
+  r.notes = {"of the header"};
+  r.check.emplace();
+  r.check->assumed = "an LSB is here that of 16 bits over 10 V";
+  const std::string text = export_text(r);
+  const auto json = nlohmann::json::parse(export_json(r));
+  std::vector<std::string> told = json["notes"];
+  for (const std::string note : json["fit"]["notes"]) told.push_back(note);
+  told.push_back(json["check"]["assumed"]);
+  EXPECT_THAT(told, testing::UnorderedElementsAre("1 of 2 records is worse with the effects than with the law alone", "of the fit", "of the header",
+                                                  "not held against the model's own inverse: there is no C compiler", "an LSB is here that of 16 bits over 10 V"));
+  for (const std::string& note : told) EXPECT_THAT(text, HasSubstr("note: " + note + "\n"));
+  ASSERT_EQ(json["fit"]["records"].size(), 2u);
+  EXPECT_EQ(json["fit"]["records"][0]["record"], "a");
+  EXPECT_EQ(json["fit"]["records"][0]["model_V"], 0.02);
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "hil/app/model/simulate.h"
 
+#include <cmath>
+
 #include "tests/support/folder_test.h"
 
 namespace forcegate {
@@ -23,6 +25,52 @@ TEST_F(Simulate, AnInterruptedRunLeavesNothingNew) {
   EXPECT_TRUE(std::filesystem::exists(out / "film.csv"));
   EXPECT_FALSE(simulate_request(request, out, &interrupted));
   EXPECT_TRUE(std::filesystem::exists(out / "film.csv")) << "what was there before stays";
+}
+
+std::string first_line(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  std::string line;
+  std::getline(in, line);
+  return line;
+}
+
+TEST_F(Simulate, TheHeadersNameTheUnitsAndReadBackTheSame) {
+  struct Case {
+    const char *name, *unit, *header;
+    double scale;
+  };
+  for (const Case& c : {Case{"adc", "counts", "t_s,F_ref_N,U_counts,U_model_counts", 100.0}, Case{"G_uS", "S", "t_s,F_ref_N,U_S,U_model_S", 10.0},
+                        Case{"U_pct", "1", "t_s,F_ref_N,U_pct,U_model_pct", 10.0}}) {
+    std::string text = "t_s,F_ref_N," + std::string(c.name) + "\n";
+    for (int i = 0; i < 200; ++i) text += std::to_string(0.02 * i) + "," + std::to_string(1 + i % 50 * 0.05) + "," + std::to_string(std::round(c.scale * (2 + i % 50 * 0.1))) + "\n";
+    CampaignRequest request;
+    request.campaign = put(std::string(c.name) + ".csv", text);
+    request.model = put("m.toml", "output_unit = \"" + std::string(c.unit) + "\"\n[law]\nkind = \"static\"\ngain_N_per_V = 0.5\noffset_N = 0.0\n").string();
+    const auto done = simulate_request(request, folder_ / "out");
+    ASSERT_TRUE(done) << done.error().to_text();
+    EXPECT_EQ(first_line(done->items[0].file), c.header);
+    ASSERT_TRUE(done->items[0].rmse_V);
+    request.campaign = done->items[0].file;
+    const auto again = simulate_request(request, folder_ / "again");
+    ASSERT_TRUE(again) << again.error().to_text();
+    EXPECT_EQ(again->unit, c.unit);
+    EXPECT_NEAR(*again->items[0].rmse_V, *done->items[0].rmse_V, 1e-4 * *done->items[0].rmse_V) << c.name;
+  }
+}
+
+TEST_F(Simulate, AModelInVoltsIsNotComparedWithCounts) {
+  std::string text = "t_s,F_ref_N,adc\n";
+  for (int i = 0; i < 200; ++i) text += std::to_string(0.02 * i) + "," + std::to_string(1 + i % 50 * 0.05) + "," + std::to_string(200 + i % 50 * 10) + "\n";
+  CampaignRequest request;
+  request.campaign = put("counts.csv", text);
+  request.model = put("m.toml", "[law]\nkind = \"static\"\ngain_N_per_V = 0.5\noffset_N = 0.0\n").string();
+  const auto done = simulate_request(request, folder_ / "out");
+  ASSERT_TRUE(done) << done.error().to_text();
+  EXPECT_EQ(first_line(done->items[0].file), "t_s,F_ref_N,U_counts,U_model_V");
+  EXPECT_FALSE(done->items[0].rmse_V);
+  EXPECT_EQ(simulation_text(*done).find("RMS"), std::string::npos);
+  ASSERT_FALSE(done->notes.empty());
+  EXPECT_NE(done->notes.back().find("the model gives an output in V, and these records hold it in counts"), std::string::npos) << done->notes.back();
 }
 
 TEST_F(Simulate, AMapThatTakesTheOutputAwayIsNamed) {

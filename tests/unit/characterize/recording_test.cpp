@@ -18,8 +18,10 @@ class RecordedRig final : public Rig {
  public:
   std::vector<float> force_N, sensor_V;
   double rate_Hz = 100.0;
+  std::string assumed;
   RigInfo info() const override {
     RigInfo i;
+    if (!assumed.empty()) i.details["assumed"] = assumed;
     i.rate_Hz = rate_Hz;
     i.adc_bits = 16;
     return i;
@@ -191,6 +193,33 @@ TEST(Recording, without_motion_or_without_an_answer_is_refused) {
   const auto answer = characterize_recording(deaf, "r", progress);
   ASSERT_FALSE(answer.has_value());
   EXPECT_NE(answer.error().text.find("did not answer"), std::string::npos);
+}
+
+TEST(Recording, whose_output_falls_with_the_force_is_told_so) {
+  RecordedRig rig;
+  for (int i = 0; i < 6000; ++i) {
+    rig.force_N.push_back(static_cast<float>(0.0005 * i));
+    rig.sensor_V.push_back(static_cast<float>(8.0 - 0.001 * i));
+  }
+  BenchProgress progress;
+  const auto refused = characterize_recording(rig, "r", progress);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().text, "the output falls while the force rises");
+  EXPECT_NE(refused.error().hint.find("wrong sign"), std::string::npos);
+}
+
+TEST(Recording, whose_converter_nobody_stated_says_so_in_notes_and_calibration) {
+  RecordedRig rig;
+  rig.assumed = "adc_bits = 16, v_range_V = 10";
+  for (int i = 0; i < 6000; ++i) {
+    rig.force_N.push_back(static_cast<float>(0.0005 * i));
+    rig.sensor_V.push_back(static_cast<float>(1.0 + 0.001 * i));
+  }
+  BenchProgress progress;
+  const SessionSheet sheet = value_or_abort(characterize_recording(rig, "r", progress));
+  ASSERT_EQ(sheet.notes.size(), 1u);
+  EXPECT_NE(sheet.notes[0].find("adc_bits = 16, v_range_V = 10 in the calibration file are assumed"), std::string::npos) << sheet.notes[0];
+  EXPECT_EQ(sheet.assumed_converter, "adc_bits = 16, v_range_V = 10");
 }
 
 }  // namespace

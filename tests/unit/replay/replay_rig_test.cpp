@@ -161,5 +161,27 @@ TEST_F(ReplayRig, TakesTheConverterFromTheCalibrationFile) {
   EXPECT_THAT(make({{"record", record}, {"cal", broken}}).error().where, HasSubstr("broken.toml:1:"));
 }
 
+TEST_F(ReplayRig, SaysWhatOfTheConverterNobodyStated) {
+  const auto record = put("r.csv", "t_s,F_ref_N,U_V\n0,1,2.5\n1,1,5\n");
+  const auto assumed = [&](std::map<std::string, std::string> options) {
+    options["record"] = record;
+    const auto rig = make(options);
+    EXPECT_TRUE(rig);
+    const auto details = (*rig)->info().details;
+    return details.contains("assumed") ? details.at("assumed") : std::string();
+  };
+  EXPECT_EQ(assumed({}), "adc_bits = 16, v_range_V = 10");
+  EXPECT_EQ(assumed({{"adc_bits", "12"}}), "v_range_V = 10");
+  EXPECT_EQ(assumed({{"adc_bits", "12"}, {"v_range_V", "5"}}), "");
+  EXPECT_EQ(assumed({{"cal", put("cal.toml", "adc_bits = 10\nv_range_V = 5\n")}}), "");
+}
+
+TEST_F(ReplayRig, AnOutputBelowZeroIsNotReadAsCodeZero) {
+  const auto rig = make({{"record", put("r.csv", "t_s,F_ref_N,U_V\n0,0,0\n0.001,1,-2.5\n0.002,2,-5\n0.003,3,-7.5\n")}});
+  ASSERT_FALSE(rig);
+  EXPECT_THAT(rig.error().text, HasSubstr("U is below 0 V in 3 of 4 rows, down to -7.5 V"));
+  EXPECT_THAT(rig.error().hint, HasSubstr("where the output falls while the force rises its sign is reversed"));
+}
+
 }  // namespace
 }  // namespace forcegate

@@ -271,5 +271,30 @@ TEST_F(CheckedCampaign, NotesSpeakOfColumnsAsTheFileWritesThem) {
   EXPECT_THAT(campaign.notes, Not(Contains(HasSubstr("pct to 1"))));
 }
 
+TEST_F(CheckedCampaign, FactsOfTheBenchLargerThanWhatWasRecordedAreNoted) {
+  put_wave("a.csv", 0.0);
+  const auto notes_of = [&](const std::string& bench) {
+    put("campaign.json", R"({"bench": {)" + bench + R"(}, "records": [{"file": "a.csv"}]})");
+    return read().notes;
+  };
+  const std::string noise = "reference_noise_N 10 N is declared, and F_ref of these records runs from 1 to 3 N";
+  EXPECT_THAT(notes_of(R"("reference_noise_N": 10)"), Contains(HasSubstr(noise)));
+  EXPECT_THAT(notes_of(R"("reference_resolution_N": 25)"), Contains(HasSubstr("reference_resolution_N 25 N is declared")));
+  EXPECT_THAT(notes_of(R"("voltage_range_V": [0, 5000])"), Contains(HasSubstr("voltage_range_V [0, 5000] V is declared, and U of these records runs from 2 to 6 V")));
+  EXPECT_THAT(notes_of(R"("force_range_N": [0, 5000])"), Contains(HasSubstr("force_range_N [0, 5000] N is declared")));
+  EXPECT_THAT(notes_of(R"("reference_noise_N": 0.5, "reference_resolution_N": 0.1, "voltage_range_V": [0, 10], "force_range_N": [0, 100])"), Not(Contains(HasSubstr("is declared"))));
+  put_rows("a.csv", "t_s,F_ref_N,U_V", [](int i) { return std::to_string(0.001 * (i * 7919 % 13)) + (i / 40 % 2 == 0 ? ",0.0024" : ",0.0049"); });
+  EXPECT_THAT(notes_of(R"("reference_noise_N": 0.05, "voltage_range_V": [0, 10], "force_range_N": [0, 5])"), Not(Contains(HasSubstr("is declared")))) << "nothing moves";
+}
+
+TEST_F(CheckedCampaign, ARateThatTheClockOfTheFileOverrulesIsNoted) {
+  put_wave("a.csv", 0.0);
+  CampaignOptions options;
+  options.assumed_rate_Hz = 100.0;
+  EXPECT_THAT(read(options).notes, Contains(HasSubstr("a: the rate of 100 Hz that was given is not used, for the clock of the file has 10 Hz")));
+  options.assumed_rate_Hz = 10.0;
+  EXPECT_THAT(read(options).notes, Not(Contains(HasSubstr("not used"))));
+}
+
 }  // namespace
 }  // namespace forcegate

@@ -211,5 +211,25 @@ TEST(UnitOfTheClock, DatesNeedNoUnitAndNoName) {
   EXPECT_THAT(unnamed.notes, Contains("column \"Aufnahme\" holds dates or times of day and was taken for the clock"));
 }
 
+TEST(Packets, RowsThatRepeatStampAndValuesAreCopies) {
+  std::string twice = "t_s,F_ref_N,U_V\n", packets = twice, rest = twice;
+  for (int i = 0; i < 400; ++i) {
+    const std::string values = shortest(1.0 + 0.01 * i) + "," + shortest(2.0 + 0.02 * i) + "\n", stamp = shortest(0.01 * i) + ",";
+    twice += stamp + values + stamp + values;
+    packets += shortest(0.01 * (i / 2 * 2)) + "," + values;
+    rest += shortest(0.01 * (i / 2 * 2)) + ",1,2\n";
+  }
+  const TraceFile once = read(twice);
+  EXPECT_EQ(once.trace.size(), 400u);
+  EXPECT_NEAR(once.trace.time_bases[0].nominal_rate_Hz, 100.0, 1e-6);
+  EXPECT_THAT(once.notes, Contains(HasSubstr("400 of 800 rows repeat the row before them, time stamp and every value")));
+  const TraceFile sent = read(packets);
+  EXPECT_EQ(sent.trace.size(), 400u) << "other values under one stamp are samples";
+  EXPECT_THAT(sent.notes, Contains(HasSubstr("packets of 2")));
+  const TraceFile still = read(rest);
+  EXPECT_EQ(still.trace.size(), 400u) << "a signal at rest repeats itself";
+  EXPECT_THAT(still.notes, Contains(HasSubstr("packets of 2")));
+}
+
 }  // namespace
 }  // namespace forcegate

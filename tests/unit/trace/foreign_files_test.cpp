@@ -55,6 +55,15 @@ TEST(ForeignFiles, AUnitMayStandBehindAComma) {
   EXPECT_EQ(f.trace.find("U")->value, (std::vector<double>{1, 2}));
 }
 
+TEST(ForeignFiles, ACounterOfRowsLeadsToTheirRate) {
+  const auto counted = parse_csv("Sample,Force [N],Voltage [V]\n0,1,2\n1,1,2\n2,1,3\n3,1,3\n", "x.csv");
+  ASSERT_FALSE(counted);
+  EXPECT_THAT(counted.error().hint, ::testing::StartsWith("\"Sample\" counts the rows: give their rate, --rate HZ"));
+  const auto other = parse_csv("Sample,Force [N],Voltage [V]\n0,1,2\n0.5,1,2\n1,1,3\n1.5,1,3\n", "x.csv");
+  ASSERT_FALSE(other);
+  EXPECT_THAT(other.error().hint, HasSubstr("--map Sample=t_s, or give --rate HZ"));
+}
+
 TEST(ForeignFiles, AnArduinoCountsMicrosecondsAndCodes) {
   const auto f = read("micros,force_N,adc\n0,1,500\n10000,2,600\n20000,3,700\n");
   EXPECT_NEAR(f.trace.time_bases[0].t_s[2], 0.02, 1e-12);

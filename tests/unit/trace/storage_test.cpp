@@ -208,6 +208,41 @@ TEST_F(Storage, AMatFileThatIsCutShortOrDamagedIsRefused) {
   EXPECT_THAT(cut4.error().text, ::testing::HasSubstr("cut short"));
 }
 
+// Vectors as MATLAB 4 stores them.
+std::string level4(std::initializer_list<std::pair<const char*, std::size_t>> vectors) {
+  std::string out;
+  for (const auto& [name, n] : vectors) {
+    const std::int32_t head[] = {0, static_cast<std::int32_t>(n), 1, 0, static_cast<std::int32_t>(std::strlen(name)) + 1};
+    out.append(reinterpret_cast<const char*>(head), sizeof head).append(name, std::strlen(name) + 1);
+    for (std::size_t i = 0; i < n; ++i) {
+      const double value = 0.1 * static_cast<double>(i);
+      out.append(reinterpret_cast<const char*>(&value), sizeof value);
+    }
+  }
+  return out;
+}
+
+TEST_F(Storage, AVariableThatIsLeftOutSaysWhyAndAForceOfAnotherLengthIsAnError) {
+  std::ofstream(folder_ / "short.mat", std::ios::binary) << level4({{"t_s", 400}, {"F_ref_N", 395}, {"U_V", 400}});
+  const auto refused = read_mat(folder_ / "short.mat");
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().text, "F_ref_N has 395 values, and t_s, U_V have 400");
+  EXPECT_THAT(refused.error().hint, HasSubstr("--map F_ref_N=unused"));
+  CsvOptions without;
+  without.column_map["F_ref_N"] = "unused";
+  const auto drift = read_mat(folder_ / "short.mat", without);
+  ASSERT_TRUE(drift) << drift.error().to_text();
+  EXPECT_THAT(drift->notes, ::testing::Contains("variables left out: F_ref_N (395 values, the record has 400)"));
+
+  std::ofstream(folder_ / "one.mat", std::ios::binary) << level4({{"fs", 1}});
+  EXPECT_EQ(read_mat(folder_ / "one.mat").error().text, "the MAT file holds no real numeric vector, only fs (one value)");
+
+  std::ofstream(folder_ / "extra.mat", std::ios::binary) << level4({{"t_s", 400}, {"F_ref_N", 400}, {"U_V", 400}, {"limits", 7}, {"fs", 1}, {"force", 20}});
+  const auto read = read_mat(folder_ / "extra.mat");
+  ASSERT_TRUE(read) << read.error().to_text();
+  EXPECT_THAT(read->notes, ::testing::Contains("variables left out: fs (one value), limits (7 values, the record has 400), force (20 values, the record has 400)"));
+}
+
 TEST_F(Storage, ConvertGoesRoundThroughAllFormats) {
   std::ofstream(folder_ / "a.csv")
       << "t_s,F_ref_N,U_V,U_counts\n0,1,2,3\n0.1,1.25,,4\n0.2,3,4,5\n0.3,3,4,6\n";

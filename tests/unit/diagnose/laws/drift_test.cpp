@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 
@@ -46,6 +47,33 @@ TEST(Drift, TellsOneTimeConstantFromTheLogarithmAndThePower) {
   EXPECT_EQ(form_of(recording(1500, 0.1, 0.002, [](double t) { return 3.0 + 0.02 * std::pow(t, 0.6); })),
             "power");
   EXPECT_EQ(form_of(recording(1500, 0.1, 0.002, [](double t) { return 3.0 + 0.01 * t; })), "line");
+}
+
+TEST(Drift, ARiseIsPositiveUnderEveryLaw) {
+  for (const double sign : {1.0, -1.0}) {
+    const auto size_of = [&](const std::function<double(double)>& law) {
+      const auto d = diagnose_drift(recording(1500, 0.1, 0.002, [&](double t) { return 3.0 + sign * law(t); }));
+      return d && !d->findings.empty() ? sign * d->findings.front().parameters.front().value : 0.0;
+    };
+    EXPECT_NEAR(size_of([](double t) { return 0.8 * (1.0 - std::exp(-t / 40.0)); }), 0.8, 0.01);
+    EXPECT_NEAR(size_of([](double t) { return 0.01 * t; }), 0.01, 1e-4);
+    EXPECT_GT(size_of([](double t) { return 0.2 * std::log10(1.0 + t / 0.5); }), 0.1);
+    EXPECT_GT(size_of([](double t) { return 0.02 * std::pow(t, 0.6); }), 0.01);
+  }
+  const auto d = diagnose_drift(recording(1500, 0.1, 0.002, [](double t) { return 3.0 + 0.8 * (1.0 - std::exp(-t / 40.0)); }));
+  ASSERT_TRUE(d);
+  EXPECT_NE(d->findings.front().evidence.find("towards 3.8"), std::string::npos) << d->findings.front().evidence;
+}
+
+TEST(Drift, SaysThatItsErrorsAreThoseOfMeans) {
+  const auto d = diagnose_drift(recording(20000, 0.1, 0.001, [](double t) { return 3.0 + 0.8 * std::exp(-t / 400.0); }));
+  ASSERT_TRUE(d);
+  EXPECT_EQ(d->judged_by, JudgedBy::left_out);
+  EXPECT_LT(d->error_after, 0.0003);
+  const std::string says = "errors and floor are of 200 means of each record, over 10 s; single samples scatter by ";
+  const auto told = std::find_if(d->notes.begin(), d->notes.end(), [&](const std::string& note) { return note.starts_with(says); });
+  ASSERT_NE(told, d->notes.end());
+  EXPECT_NEAR(std::stod(told->substr(says.size())), 1.0, 0.03) << *told;  // mV
 }
 
 // A law that takes nearly all of the movement and leaves a hundred times the noise is not all there is.
