@@ -70,8 +70,8 @@ Result<void> run(Session& s) {
   const auto rows = [&](double t_s) { return static_cast<std::size_t>(t_s * rate_Hz + 0.5); };
   const std::size_t span = rows(kSpan_s), before = rows(kBefore_s), stride = rows(kSpeedOver_s);
   const auto still = [&](std::size_t from, std::size_t to) {
-    for (std::size_t i = from; i + stride < to; i += stride)
-      if (std::abs(static_cast<double>(position_mm[i + stride] - position_mm[i])) >
+    for (std::size_t i = from; i + stride <= to; i += stride)
+      if (std::abs(static_cast<double>(position_mm[i + stride - 1] - position_mm[i])) >
           kBarely_mm_per_s * kSpeedOver_s)
         return false;
     return true;
