@@ -83,18 +83,21 @@ TEST(RecordGains, ARecordInOtherUnitsIsNamed) {
   EXPECT_NE(d.error().where.find("r2"), std::string::npos) << d.error().to_text();
 }
 
-TEST(RecordGains, AnotherAmplifierIsANoteAndADecayIsNone) {
-  std::vector<RecordInput> records(3);
-  for (int k = 0; k < 3; ++k) {
-    RecordInput& r = records[static_cast<std::size_t>(k)];
-    r.name = std::string(1, static_cast<char>('a' + k));
-    for (int i = 0; i < 100; ++i) {
-      r.t_s.push_back(0.02 * i);
-      r.F_N.push_back(0.05 * i);
-      r.U_V.push_back(0.1 + (k == 2 ? 0.2 : 1.0) * 0.1 * i);  // a decay leaves a fifth
-      r.ok.push_back(1);
-    }
+/// A hundred rows along a line, steps in newtons and volts.
+RecordInput line(const std::string& name, double step_N, double step_V) {
+  RecordInput r;
+  r.name = name;
+  for (int i = 0; i < 100; ++i) {
+    r.t_s.push_back(0.02 * i);
+    r.F_N.push_back(2.0 + step_N * i);
+    r.U_V.push_back(4.0 + step_V * i);
+    r.ok.push_back(1);
   }
+  return r;
+}
+
+TEST(RecordGains, AnotherAmplifierIsANoteAndADecayIsNone) {
+  std::vector<RecordInput> records = {line("a", 0.05, 0.1), line("b", 0.05, 0.1), line("c", 0.05, 0.02)};  // a decay leaves a fifth
   std::vector<std::string> notes;
   ASSERT_TRUE(check_record_gains(records, notes));
   EXPECT_TRUE(notes.empty());
@@ -105,17 +108,7 @@ TEST(RecordGains, AnotherAmplifierIsANoteAndADecayIsNone) {
 }
 
 TEST(RecordGains, ARecordWithTheOtherSignIsAnErrorAndAHoldThatCreepsDownIsNone) {
-  std::vector<RecordInput> records(3);
-  for (int k = 0; k < 3; ++k) {
-    RecordInput& r = records[static_cast<std::size_t>(k)];
-    r.name = std::string(1, static_cast<char>('a' + k));
-    for (int i = 0; i < 100; ++i) {
-      r.t_s.push_back(0.02 * i);
-      r.F_N.push_back(k == 2 ? 2.0 + 1e-4 * i : 0.05 * i);
-      r.U_V.push_back(k == 2 ? 4.0 - 1e-4 * i : 0.1 * i);
-      r.ok.push_back(1);
-    }
-  }
+  std::vector<RecordInput> records = {line("a", 0.05, 0.1), line("b", 0.05, 0.1), line("hold", 1e-4, -1e-4)};
   std::vector<std::string> notes;
   EXPECT_TRUE(check_record_gains(records, notes));
   for (double& F : records[1].F_N) F = -F;
@@ -128,17 +121,7 @@ TEST(RecordGains, ARecordWithTheOtherSignIsAnErrorAndAHoldThatCreepsDownIsNone) 
 }
 
 TEST(RecordGains, OfTwoRecordsBothAreNamed) {
-  std::vector<RecordInput> records(2);
-  for (int k = 0; k < 2; ++k) {
-    RecordInput& r = records[static_cast<std::size_t>(k)];
-    r.name = k == 0 ? "first" : "second";
-    for (int i = 0; i < 100; ++i) {
-      r.t_s.push_back(0.02 * i);
-      r.F_N.push_back(0.05 * i);
-      r.U_V.push_back((k == 0 ? 0.01 : 0.1) * i);
-      r.ok.push_back(1);
-    }
-  }
+  std::vector<RecordInput> records = {line("first", 0.05, 0.01), line("second", 0.05, 0.1)};
   std::vector<std::string> notes;
   ASSERT_TRUE(check_record_gains(records, notes));
   ASSERT_EQ(notes.size(), 1u);
