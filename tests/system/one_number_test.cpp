@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -170,6 +171,33 @@ TEST(OneNumber, ALateReferenceIsNoErrorOfTheModelToAnyCommand) {
   EXPECT_LT(promised, 0.5 * diagnosed["error_before"].get<double>());
   EXPECT_NEAR(kept, promised, 0.25 * promised);
   EXPECT_NEAR(found, kept, 0.25 * kept);
+}
+
+// Its force goes both ways, and the film conducts nothing at nobody knows which.
+TEST(OneNumber, ACellTaredUnderAPreloadHasErrorsAndTheSameAnswer) {
+  constexpr double kTare_N = 2.5;
+  const TemporaryFolder folder;
+  ASSERT_EQ(pasted("forcegate mystery --seed 7 --effect hysteresis --strength medium --minutes 3 loop", folder).exit_code, 0);
+  std::filesystem::create_directory(folder.path() / "tared");
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path() / "loop")) {
+    if (entry.path().extension() != ".csv") continue;
+    std::ifstream in(entry.path());
+    std::string out, line;
+    std::getline(in, line);
+    ASSERT_TRUE(line.starts_with("t_s,F_ref_N,")) << line;
+    out = line + "\n";
+    while (std::getline(in, line)) {
+      const std::size_t from = line.find(',') + 1, to = line.find(',', from);
+      const std::string force = line.substr(from, to - from);
+      out += line.substr(0, from) + (force.empty() ? force : std::to_string(std::stod(force) - kTare_N)) + line.substr(to) + "\n";
+    }
+    write_text(folder.path() / "tared" / entry.path().filename(), out);
+  }
+  const auto answer = nlohmann::json::parse(pasted("forcegate diagnose tared --json", folder).out);
+  EXPECT_GT(answer["floor"].get<double>(), 0.0);
+  EXPECT_GT(answer["error_before"].get<double>(), answer["error_after"].get<double>());
+  EXPECT_GE(answer["error_after"].get<double>(), answer["floor"].get<double>());
+  EXPECT_EQ(answer["findings"][0]["effect"], "hysteresis");
 }
 
 // Three slow triangles of a sensor without any decay, which nobody described.

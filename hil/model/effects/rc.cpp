@@ -50,6 +50,7 @@ EffectForm form(const char* name, bool measured) {
           .sign = StrengthSign::positive,
           .grid = [measured](const CampaignInput& c) -> std::vector<std::vector<double>> {
             if (measured && !capacitance_curve(c)) return {};
+            if (c.no_load_N() < 0.0) return {};  // nobody knows at which force the film conducts nothing
             std::vector<std::vector<double>> out;
             for (const double tau_s : {0.003, 0.008, 0.02, 0.05, 0.12}) {
               out.push_back({tau_s, kFilmAlone});
