@@ -89,9 +89,7 @@ double allowed_rms(const ResidualChannel& channel);
 
 /// A drive whose force is late behind its command by about as much in every record; 0: none is seen to be.
 struct LateDrive {
-  double lag_s = 0.0;                         ///< median over the records; 0: not late
-  double lower_s = 0.0, upper_s = 0.0;        ///< quartiles over the records
-  bool alike = true;                          ///< one lag; else the drive reaches an end: of its speed, as a rule
+  double lag_s = 0.0, u_s = 0.0;              ///< median over the records, half their quartiles' distance
   double before_N = 0.0, after_N = 0.0;       ///< RMS of the force against the command's line, without and with the lag
   int records = 0;
 };

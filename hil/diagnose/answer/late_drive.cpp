@@ -14,14 +14,12 @@ std::optional<Finding> listed_late_drive(const Workspace& w, const std::vector<F
   Finding out = finding_about(*motor, w.command);
   out.form = "late";
   out.probability = kListed;
-  out.parameters.push_back({"lag_s", late.lag_s, 0.5 * (late.upper_s - late.lower_s), "s"});
+  out.parameters.push_back({"lag_s", late.lag_s, late.u_s, "s"});
   out.error_before = late.before_N;
   out.error_after = late.after_N;
-  const std::string lateness = late.alike ? fmt::format("{:.3g} ms late", 1e3 * late.lag_s)
-                                          : fmt::format("late by no one lag, {:.3g} to {:.3g} ms in half of them, as one that is limited in speed,", 1e3 * late.lower_s, 1e3 * late.upper_s);
-  out.evidence = fmt::format("the force follows its command {} in {} {}, and the sensor is innocent; not claimed: drives are late, and nothing "
+  out.evidence = fmt::format("the force follows its command {:.3g} ms late in {} {}, and the sensor is innocent; not claimed: drives are late, and nothing "
                              "here says by how much this one may be",
-                             lateness, late.records, w.input.single ? "parts of the recording" : "records");
+                             1e3 * late.lag_s, late.records, w.input.single ? "parts of the recording" : "records");
   return out;
 }
 

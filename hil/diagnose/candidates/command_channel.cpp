@@ -98,10 +98,9 @@ DriveFit fit_drive(const RecordInput& r) {
   return {lag_s, std::max(0.0, squares - line.dot(b.head<2>())) / n, std::max(0.0, squares - c.dot(b)) / n};
 }
 
-// Where a reference that resolves 0.5 % of its range (Lebosse et al. 2011) would show what it makes; of lags that differ, where they make much.
+// Where the records agree, and a reference that resolves 0.5 % of its range (Lebosse et al. 2011) would show what it makes.
 LateDrive late_drive(const Workspace& w, const std::vector<std::size_t>& records) {
-  constexpr double kAgree = 2.0, kLeast = 0.005 / 3.4641,  // of the force range: a step, RMS
-                   kLeastUnlike = 0.01;
+  constexpr double kAgree = 2.0, kLeast = 0.005 / 3.4641;  // of the force range: a step, RMS
   constexpr std::size_t kSeveral = 2;
   std::vector<double> lags;
   double before = 0.0, after = 0.0;
@@ -114,10 +113,9 @@ LateDrive late_drive(const Workspace& w, const std::vector<std::size_t>& records
   if (lags.size() < kSeveral) return {};
   const auto n = static_cast<double>(lags.size());
   const auto [low, high] = quantiles(lags, 0.25, 0.75);
-  const bool alike = high <= kAgree * low;
-  const double least_N = (alike ? kLeast : kLeastUnlike) * w.input.range_N;
-  if (before - after < n * least_N * least_N) return {};
-  return {quantile(lags, 0.5), low, high, alike, std::sqrt(before / n), std::sqrt(after / n), static_cast<int>(lags.size())};
+  const double least_N = kLeast * w.input.range_N;
+  if (high > kAgree * low || before - after < n * least_N * least_N) return {};
+  return {quantile(lags, 0.5), 0.5 * (high - low), std::sqrt(before / n), std::sqrt(after / n), static_cast<int>(lags.size())};
 }
 
 }  // namespace
