@@ -1,8 +1,8 @@
 #pragma once
 // Effects of the user's own, as equations in the model file, among the candidates: screened, refined and fitted by the
 // same machinery as the built-in ones. A parameter that the whole output is proportional to is the strength, with its own name and unit;
-// where there is none, those are that the output is a sum of parts of, or else a common factor "share". All others are the shape; of several proportional ones the rest keep their values,
-// since the records tell only the product.
+// where there is none and the output is a sum of parts, each proportional to one parameter, all these are; else a common factor "share" is. All
+// others are the shape; of several proportional ones the rest keep their values, since the records tell only the product.
 
 #include <memory>
 #include <span>

@@ -328,6 +328,7 @@ Result<OneLawFit> fit_one_law(Campaign campaign, const Model& start, const IsUsa
     if (worse) out.notes.push_back(cost_of(usable, best, printed_unit(rows.unit)));
     const Trial& chosen = usable.effects.empty() ? best : usable;
     effects = chosen.effects;
+    note_unseen(*effects.back().kind, *effects.back().form, fitter.input(), out.notes);
     FORCEGATE_TRY(law, fitter.refine(chosen.law, effects));
     FORCEGATE_TRY(grams, fitter.grams(law, effects));
     now = Fitter::left_out(grams);

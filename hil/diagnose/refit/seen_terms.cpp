@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "hil/base/plain_number.h"
 
@@ -23,22 +25,23 @@ bool is_seen(const EffectForm& form, std::size_t strength, const CampaignInput& 
   return form.memory_s.empty() || form.memory_s[strength] <= kOfRecord * longest_record_s(input);
 }
 
+void note_unseen(const EffectKind& kind, const EffectForm& form, const CampaignInput& input, std::vector<std::string>& notes) {
+  double least_s = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < form.memory_s.size(); ++k)
+    if (!is_seen(form, k, input)) least_s = std::min(least_s, form.memory_s[k]);
+  if (std::isinf(least_s)) return;
+  const std::string note = fmt::format("{}: terms of {} s and longer are left out, since the longest record has {} s: a longer one tells them", kind.name, plain_number(least_s),
+                                       plain_number(longest_record_s(input)));
+  if (std::ranges::find(notes, note) == notes.end()) notes.push_back(note);
+}
+
 std::vector<int> seen_columns(const Workspace& w, int variant, std::vector<std::string>& notes) {
   const Candidate& c = candidate_of(w.output, variant);
-  std::vector<int> out = columns_of(w.output, variant);
-  double least_s = 0.0;
-  std::erase_if(out, [&](int column) {
-    const auto strength = static_cast<std::size_t>(column - c.first);
-    if (is_seen(*c.form, strength, w.input)) return false;
-    const double memory_s = c.form->memory_s[strength];
-    least_s = least_s > 0.0 ? std::min(least_s, memory_s) : memory_s;
-    return true;
-  });
-  if (least_s == 0.0) return out;
-  if (out.empty()) return columns_of(w.output, variant);
-  const std::string note = fmt::format("{}: terms of {} s and longer are left out, since the longest record has {} s: a longer one tells them", c.kind->name, plain_number(least_s),
-                                       plain_number(longest_record_s(w.input)));
-  if (std::ranges::find(notes, note) == notes.end()) notes.push_back(note);
+  const std::vector<int> all = columns_of(w.output, variant);
+  std::vector<int> out = all;
+  std::erase_if(out, [&](int column) { return !is_seen(*c.form, static_cast<std::size_t>(column - c.first), w.input); });
+  if (out.empty()) return all;
+  if (out.size() < all.size()) note_unseen(*c.kind, *c.form, w.input, notes);
   return out;
 }
 

@@ -13,6 +13,9 @@ namespace forcegate::diagnose {
 /// Whether a record is half as long as the time constant of column `strength` of the form, and shows 40 % of it; true of columns without one.
 bool is_seen(const EffectForm& form, std::size_t strength, const CampaignInput& input);
 
+/// Says once which terms of the form are not.
+void note_unseen(const EffectKind& kind, const EffectForm& form, const CampaignInput& input, std::vector<std::string>& notes);
+
 /// The columns of a variant that are seen, all where none is; `notes` tell of the others.
 std::vector<int> seen_columns(const Workspace& workspace, int variant, std::vector<std::string>& notes);
 
