@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "hil/diagnose/answer/capacitance_witness.h"
+#include "hil/diagnose/answer/claim_unloaded_zero.h"
 #include "hil/diagnose/answer/decay_course.h"
 #include "hil/diagnose/answer/findings.h"
 #include "hil/diagnose/answer/guessed_effects.h"
@@ -18,7 +19,6 @@
 #include "hil/diagnose/answer/record_errors.h"
 #include "hil/diagnose/answer/remainder.h"
 #include "hil/diagnose/answer/reservation.h"
-#include "hil/diagnose/answer/unloaded_zero.h"
 #include "hil/diagnose/answer/verdict.h"
 #include "hil/diagnose/answer/wide_scatter.h"
 #include "hil/diagnose/answer/withdrawals.h"
@@ -205,8 +205,9 @@ void add_rankings(const Workspace& w, const Search& search, unsigned threads, Di
 
 // A family may come up, and be turned down, once for every model that it is tried beside.
 void add_refused(const Search& search, Diagnosis& out) {
-  for (const std::string& what : search.output.nuisance)
-    if (std::ranges::find(out.notes, what) == out.notes.end()) out.notes.push_back(what);
+  for (const auto* told : {&search.output.nuisance, &search.begun_anew})
+    for (const std::string& what : *told)
+      if (std::ranges::find(out.notes, what) == out.notes.end()) out.notes.push_back(what);
   for (const Selection* tried : {&search.output, &search.rig, &search.drive})
     for (const RefusedEffect& r : tried->refused)
       if (std::ranges::none_of(out.refused, [&](const RefusedEffect& o) { return o.effect == r.effect && o.reason == r.reason; }))

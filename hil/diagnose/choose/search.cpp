@@ -8,6 +8,7 @@
 #include <iterator>
 
 #include "hil/diagnose/base/whole_recording.h"
+#include "hil/diagnose/between/unloaded_zero.h"
 #include "hil/diagnose/candidates/model_effects.h"
 #include "hil/diagnose/choose/borne_out.h"
 #include "hil/diagnose/choose/probability.h"
@@ -107,15 +108,36 @@ std::vector<int> drift_columns(const ResidualChannel& channel) {
   return out;
 }
 
-// The search once more without families that others beat where they differ.
-void search_without(Workspace& w, const Given& given, const std::vector<std::string>& beaten, unsigned threads, Search& out) {
+// The search once more without some families. False, and all as it was, where the new one does not serve.
+bool search_without(Workspace& w, const Given& given, const std::vector<std::string>& families, unsigned threads, Search& out,
+                    const std::function<bool(const Selection&)>& serves) {
   std::vector<std::string> skip = out.skip;
-  skip.insert(skip.end(), beaten.begin(), beaten.end());
+  skip.insert(skip.end(), families.begin(), families.end());
   std::vector<Finding> suspicions;
   const auto select = [&] { return select_borne_out(w, given, skip, out.rules, threads, suspicions); };
-  if (!select_anew(w, out.output, select, [](const Selection& s) { return s.base.valid && !s.chosen.empty(); })) return;
+  if (!select_anew(w, out.output, select, serves)) return false;
   std::ranges::move(suspicions, std::back_inserter(out.suspicions));
-  out.output.nuisance.push_back(fmt::format("{} fit{} most rows as well, and not those where what they foretell differs", fmt::join(beaten, ", "), beaten.size() == 1 ? "s" : ""));
+  return true;
+}
+
+std::string verb_for(const std::vector<std::string>& names) { return names.size() == 1 ? "s" : ""; }
+
+void leave_to_those_that_foretell(Workspace& w, const Given& given, unsigned threads, Search& out) {
+  const std::vector<std::string> beaten = beaten_where_they_differ(w, out.output, out.rules, threads);
+  if (beaten.empty() || !search_without(w, given, beaten, threads, out, [](const Selection& s) { return s.base.valid && !s.chosen.empty(); })) return;
+  out.begun_anew.push_back(fmt::format("{} fit{} most rows as well, and not those where what they foretell differs", fmt::join(beaten, ", "), verb_for(beaten)));
+}
+
+void leave_to_zero_of_reference(Workspace& w, const Given& given, unsigned threads, Search& out) {
+  constexpr int kMostTimes = 3;
+  for (int time = 0; time < kMostTimes; ++time) {
+    const std::vector<std::string> names = contradicted_without_load(w, out.output);
+    if (names.empty()) return;
+    if (!search_without(w, given, names, threads, out, [](const Selection& s) { return s.base.valid; })) return;
+    out.skip.insert(out.skip.end(), names.begin(), names.end());
+    out.begun_anew.push_back(fmt::format("{} fit{} the zeros of the records, and not that the output is the same wherever there is no load, whatever the reference shows there",
+                                              fmt::join(names, ", "), verb_for(names)));
+  }
 }
 
 }  // namespace
@@ -146,8 +168,8 @@ Search search_channels(Workspace& w, const EngineOptions& options) {
   }
   if (std::ranges::any_of(w.raw_claims, [](const HealthClaim& c) { return c.effect == "clipping"; })) out.skip.emplace_back("clipping");
   out.output = select_borne_out(w, given, out.skip, out.rules, options.threads, out.suspicions);
-  if (const std::vector<std::string> beaten = beaten_where_they_differ(w, out.output, out.rules, options.threads); !beaten.empty())
-    search_without(w, given, beaten, options.threads, out);
+  leave_to_those_that_foretell(w, given, options.threads, out);
+  leave_to_zero_of_reference(w, given, options.threads, out);
   // against the law without the model's own effects: they describe the whole too
   const bool has_effects = !given.base.empty();
   const MixedFit law = has_effects ? fit_mixed(w.output.problem, {}, &out.output.base) : out.output.base;

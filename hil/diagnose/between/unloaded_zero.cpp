@@ -1,0 +1,131 @@
+#include "hil/diagnose/between/unloaded_zero.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <vector>
+
+#include "hil/diagnose/base/own_lines.h"
+#include "hil/model/rows.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+// Of a record, or of a stretch of one recording.
+struct Rest {
+  std::size_t at = 0;    // which of them
+  double force_N = 0.0;  // what the reference shows at its lowest load
+  double zero_N = 0.0;   // of the output
+  double load_N() const { return force_N + zero_N; }
+};
+
+std::optional<double> lowest_force_N(const RecordInput& r, std::size_t begin, std::size_t end) {
+  constexpr double kLowest = 0.02;
+  constexpr std::size_t kFewest = 5;
+  std::vector<double> force;
+  for (std::size_t i = begin; i < end; ++i)
+    if (r.ok[i] != 0) force.push_back(r.F_N[i]);
+  if (force.size() < kFewest) return std::nullopt;
+  std::ranges::sort(force);
+  const std::size_t n = std::max(kFewest, static_cast<std::size_t>(kLowest * static_cast<double>(force.size())));
+  return force[n / 2];
+}
+
+std::vector<Rest> rests_of_records(const Workspace& w, const MixedFit& fit) {
+  std::vector<Rest> out;
+  for (std::size_t k = 0; k < fit.zeta.size(); ++k) {
+    const RecordInput& r = w.input.records[w.output.record_of[k]];
+    const std::optional<double> force_N = lowest_force_N(r, 0, r.rows());
+    if (!force_N) continue;
+    const double gain = fit.zeta[k][0] * w.gain_V_per_N * *force_N / w.output.scale;
+    out.push_back({k, *force_N, (fit.zeta[k][1] + gain) * w.output.scale / w.gain_V_per_N});
+  }
+  return out;
+}
+
+// Stretches of one recording, of which each has a zero of its own.
+std::vector<Rest> rests_of_stretches(const Workspace& w, const MixedFit& fit) {
+  constexpr std::size_t kStretches = 12;
+  constexpr Eigen::Index kFewestRows = 20;
+  std::vector<Rest> out;
+  std::vector<LineSums> sums;
+  const std::size_t parts = w.output.rows.size(), of_part = (kStretches + parts - 1) / std::max<std::size_t>(1, parts);
+  for (std::size_t k = 0; k < parts; ++k) {
+    const RecordInput& r = w.input.records[w.output.record_of[k]];
+    const std::vector<std::size_t>& row = w.output.rows[k].row;
+    for (std::size_t s = 0; s < of_part; ++s) {
+      const std::size_t begin = s * r.rows() / of_part, end = (s + 1) * r.rows() / of_part;
+      const auto first = std::ranges::lower_bound(row, begin) - row.begin(), last = std::ranges::lower_bound(row, end) - row.begin();
+      const std::optional<double> force_N = lowest_force_N(r, begin, end);
+      if (!force_N || last - first < kFewestRows) continue;
+      out.push_back({k * of_part + s, *force_N, 0.0});
+      sums.push_back(line_sums(w.output, fit, k, first, last));
+    }
+  }
+  if (sums.empty()) return out;
+  const Eigen::VectorXd zeros = line_through(sums, OwnOfLine::zero).own;
+  for (std::size_t i = 0; i < out.size(); ++i) out[i].zero_N = zeros[static_cast<Eigen::Index>(i)] * w.output.scale / w.gain_V_per_N;
+  return out;
+}
+
+std::vector<Rest> rests_of(const Workspace& w, const MixedFit& fit) { return w.input.single ? rests_of_stretches(w, fit) : rests_of_records(w, fit); }
+
+template <class Of>
+double spread_of(const std::vector<Rest>& rests, const Of& of) {
+  double mean = 0.0, square = 0.0;
+  for (const Rest& r : rests) mean += std::invoke(of, r) / static_cast<double>(rests.size());
+  for (const Rest& r : rests) square += std::pow(std::invoke(of, r) - mean, 2);
+  return std::sqrt(square / std::max(1.0, static_cast<double>(rests.size()) - 1.0));
+}
+
+// Those that come down to the lowest load, where the zeros tell.
+std::optional<std::vector<Rest>> told_rests(const Workspace& w, const MixedFit& fit) {
+  constexpr std::size_t kFewest = 4;
+  constexpr double kOfSpread = 0.3, kOfAll = 0.5, kOfRange = 0.005, kSteps = 3.0;
+  if (w.input.generic || w.rig_sees_zero || w.has_command || w.input.has_capacitance || !fit.valid || w.gain_V_per_N == 0.0) return std::nullopt;
+  std::vector<Rest> rests = rests_of(w, fit);
+  const std::size_t least = std::max(kFewest, (rests.size() + 1) / 2);
+  double step_N = 0.0;
+  for (const RecordHealth& h : w.health) step_N = std::max(step_N, h.lsb_F_N);
+  const double zeros_N = spread_of(rests, &Rest::zero_N), least_N = std::max({kOfRange * w.input.range_N, kSteps * step_N, kOfAll * zeros_N});
+  // which of them come down to the lowest load nobody says: what is left unloaded has no lower one
+  std::ranges::sort(rests, {}, &Rest::load_N);
+  for (; rests.size() >= least; rests.pop_back()) {
+    const double moves_N = spread_of(rests, &Rest::zero_N);
+    if (moves_N >= least_N && spread_of(rests, &Rest::load_N) <= kOfSpread * moves_N) return rests;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<UnloadedZero> unloaded_zero_of_reference(const Workspace& w, const MixedFit& fit) {
+  const auto rests = told_rests(w, fit);
+  if (!rests) return std::nullopt;
+  return UnloadedZero{rests->size(), rests_of(w, fit).size(), spread_of(*rests, &Rest::zero_N)};
+}
+
+std::vector<std::string> contradicted_without_load(const Workspace& w, const Selection& selection) {
+  constexpr double kExplained = 0.9;  // an effect that changes the gain alone leaves the zeros as they are
+  const auto may_be = [&](const ChosenEffect& c) { return c.kind->side == "sensor" && (c.between || w.input.single); };
+  if (std::ranges::none_of(selection.chosen, may_be)) return {};
+  const auto rests = told_rests(w, selection.base);
+  if (!rests) return {};
+  const auto moves_N = [&](const MixedFit& fit) {
+    std::vector<Rest> same = rests_of(w, fit);
+    std::erase_if(same, [&](const Rest& r) { return std::ranges::find(*rests, r.at, &Rest::at) == rests->end(); });
+    return spread_of(same, &Rest::zero_N);
+  };
+  std::vector<std::string> out;
+  double before_N = moves_N(selection.base);
+  for (const ChosenEffect& c : selection.chosen) {
+    if (!c.fit.valid) continue;
+    const double after_N = moves_N(c.fit);
+    if (may_be(c) && after_N < kExplained * before_N) out.push_back(c.kind->name);
+    before_N = after_N;
+  }
+  return out;
+}
+
+}  // namespace forcegate::diagnose
