@@ -4,10 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+
+#include "hil/gate/judged_extrema.h"
 
 namespace forcegate {
 namespace {
+
+constexpr const char* kRepeatability = "repeatability";
 
 template <class Counts>
 double root_of_squares(const std::vector<BudgetLine>& lines, Counts counts) {
@@ -44,6 +49,12 @@ double Budget::u_of_this_record() const {
   return root_of_squares(lines, [](const BudgetLine& line) { return line.of_this_record; });
 }
 
+double Budget::degrees_of_freedom(double of, std::size_t n) const {
+  for (const BudgetLine& line : lines)
+    if (line.name == kRepeatability && line.u > 0.0 && n > 1) return static_cast<double>(n - 1) * std::pow(of / line.u, 4);
+  return 0.0;
+}
+
 std::string Budget::to_text(const std::string& unit, bool derived) const {
   std::string in, out;
   for (const BudgetLine& line : lines) {
@@ -72,13 +83,13 @@ Budget mre_budget(const PlanUncertainty& plan, const CaseRecord& record, double 
                      100.0 * record.rig.reference_resolution_N / std::sqrt(12.0) / typical_N / root_n,
                      false});
   b.lines.push_back({"noise", 100.0 * record.rig.reference_noise_N / averaged / typical_N / root_n, false});
-  const double f_Hz =
-      std::isfinite(record.facts.lowest_frequency_Hz) ? record.facts.lowest_frequency_Hz : 0.0;
+  const double period_s = shortest_period_s(record.pairs, record.facts.excitation_start_s);
+  const double f_Hz = std::isfinite(period_s) ? 1.0 / period_s : std::isfinite(record.facts.lowest_frequency_Hz) ? record.facts.lowest_frequency_Hz : 0.0;
   const double u_sync_s =
       std::hypot(std::isfinite(record.u_lag_s) ? record.u_lag_s : 0.0, record.rig.reference_u_time_s);
   b.lines.push_back(
       {"synchronisation", 100.0 * (1.0 - std::cos(std::min(std::numbers::pi, 2.0 * std::numbers::pi * f_Hz * u_sync_s))), true});
-  if (std::isfinite(standard_error)) b.lines.push_back({"repeatability", 100.0 * standard_error, false});
+  if (std::isfinite(standard_error)) b.lines.push_back({kRepeatability, 100.0 * standard_error, false});
   return b;
 }
 

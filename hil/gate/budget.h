@@ -8,8 +8,9 @@
 //                     this record's alone, so it does not cancel against a limit that was derived on other days
 //   resolution        100 (r / sqrt 12) / (F sqrt n)   rectangular, random because the noise dithers it
 //   noise             100 s / (F sqrt(2 h + 1) sqrt n)  s of one reading, mean of 2 h + 1 samples
-//   synchronisation   100 (1 - cos(2 pi f u))         systematic; zero slope at an extremum; u^2 = u_lag^2 + u_time^2: of the
-//                     lag as measured, and of a reading's time as the reference's adapter declares it
+//   synchronisation   100 (1 - cos(2 pi f u))         systematic; zero slope at an extremum; f of the swing that most extrema
+//                     belong to; u^2 = u_lag^2 + u_time^2: of the lag as measured, and of a reading's time as the reference's
+//                     adapter declares it
 //   repeatability     standard error over the extrema  random
 
 #include <string>
@@ -33,6 +34,9 @@ struct Budget {
   /// Against a limit that was derived on the same rig: what is systematic cancels, unless it is of this record.
   double u_against_derived() const;
   double u_of_this_record() const;
+  /// Effective degrees of freedom of `of` (u() or u_against_derived()) where the repeatability is of n items: (n - 1) (of / u_repeatability)^4,
+  /// Welch and Satterthwaite with all else known (JCGM 100, G.4). 0: many.
+  double degrees_of_freedom(double of, std::size_t n) const;
   /// "ATI calibration 0.500, alignment 0.200, ... %"; `derived`: the parts of u_against_derived(), and which were left out.
   std::string to_text(const std::string& unit, bool derived) const;
 };

@@ -25,6 +25,7 @@ namespace forcegate {
 namespace {
 
 constexpr double kMeanOver_s = 0.05;
+constexpr double kSureOfRate = 0.5;  // standard uncertainty of b over b: what is less sure tells no decay
 
 // Triangle between two forces, one sweep up and down in sweep_s: quasi-static, so that the film is not
 // worked.
@@ -138,6 +139,11 @@ class CalibrationRun {
                     with_uncertainty(c.gain_N_per_V, u_gain), with_uncertainty(c.offset_N, out_.u_offset_N),
                     job_.calibrate.sweeps, residual);
     note_width(line.gain_N_per_V());
+    if (const std::string beyond = beyond_what_images_take(c); !beyond.empty())
+      return failed(CaseFailure::Stage::rig,
+                    {ErrorCode::device, "the calibration sweep gives " + beyond, job_.id,
+                     "look at the sensor, its amplifier and [board] v_range_V: this is no FlexiForce of the plan's forces"},
+                    Blame::sensor);
     return true;
   }
 
@@ -200,6 +206,15 @@ class CalibrationRun {
                                  fit->a_V, fit->b_per_s, fit->c_V),
                      job_.id,
                      {}});
+    const std::string beyond = beyond_what_images_take(c);
+    if (!beyond.empty() || fit->u_b_per_s > kSureOfRate * fit->b_per_s)
+      return failed(CaseFailure::Stage::rig,
+                    {ErrorCode::device,
+                     fmt::format("the dynamic record does not tell b and c/a of this sensor: b {} 1/s, c/a {:.3g} x eq. (5), {:.1f} % of the swing lost{}",
+                                 with_uncertainty(fit->b_per_s, fit->u_b_per_s), c.q_scale, to_decay_fit(*fit, u_min_V, t_s.back()).loss_pct,
+                                 beyond.empty() ? "" : "; " + beyond),
+                     job_.id, "identify it over a longer record or a greater amplitude; of a sensor that does not decay: calibrate = \"static\""},
+                    Blame::sensor);
     c.level = CalibrationLevel::identified;
     c.id = job_.specimen.substr(0, 14) + "/i";
     out_.decay = to_decay_fit(*fit, u_min_V, t_s.back());
@@ -234,6 +249,19 @@ Calibration nominal_calibration(const RigInfo& info) {
   return c;
 }
 
+std::string beyond_what_images_take(const Calibration& c) {
+  constexpr CalibrationBounds kTaken = kCalibrationBounds;
+  const auto beyond = [](const char* name, double value, double low, double high, const char* unit) {
+    return value >= low && value <= high ? std::string() : fmt::format("{} = {:.4g}{} (images take {} to {})", name, value, unit, low, high);
+  };
+  for (std::string what : {beyond("G", c.gain_N_per_V, kTaken.gain_min_N_per_V, kTaken.gain_max_N_per_V, " N/V"),
+                           beyond("F0", c.offset_N, -kTaken.offset_N, kTaken.offset_N, " N"),
+                           beyond("b over eq. (5)", c.b_scale, kTaken.scale_min, kTaken.scale_max, ""),
+                           beyond("c/a over eq. (5)", c.q_scale, kTaken.scale_min, kTaken.scale_max, "")})
+    if (!what.empty()) return what;
+  return {};
+}
+
 CaseRecord run_calibration(const CaseJob& job, Rig& rig, const std::atomic<bool>* cancelled) {
   return CalibrationRun(job, rig, cancelled).run();
 }
@@ -248,13 +276,13 @@ Result<CalibrationFile> read_calibration_file(const std::filesystem::path& path)
   std::int64_t bits = c.adc_bits, format = 1;
   double range_V = c.v_range_V;
   r.integer("format", format, 1, 1);
-  // what every image takes (docs/protocol.md): beyond it, the image would refuse the calibration and be charged with that
-  r.number("gain_N_per_V", c.gain_N_per_V, 1e-3, 100.0, ConfigReader::required);
-  r.number("offset_N", c.offset_N, -50.0, 50.0, ConfigReader::required);
+  constexpr CalibrationBounds kTaken = kCalibrationBounds;  // beyond, the image would refuse it and be charged with that
+  r.number("gain_N_per_V", c.gain_N_per_V, kTaken.gain_min_N_per_V, kTaken.gain_max_N_per_V, ConfigReader::required);
+  r.number("offset_N", c.offset_N, -kTaken.offset_N, kTaken.offset_N, ConfigReader::required);
   if (r.integer("adc_bits", bits, 8, 16)) file.adc_bits = static_cast<int>(bits);
   if (r.number("v_range_V", range_V, 0.1, 100.0)) file.v_range_V = range_V;
-  const bool b = r.number("b_scale", c.b_scale, 0.01, 100.0);
-  const bool q = r.number("q_scale", c.q_scale, 0.01, 100.0);
+  const bool b = r.number("b_scale", c.b_scale, kTaken.scale_min, kTaken.scale_max);
+  const bool q = r.number("q_scale", c.q_scale, kTaken.scale_min, kTaken.scale_max);
   if (b && q) level = "identified";
   r.choice("level", level, {"nominal", "static", "identified"});
   r.text("id", id);

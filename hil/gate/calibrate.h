@@ -9,6 +9,7 @@
 #include <atomic>
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "hil/gate/case_record.h"
 #include "hil/interface/rig.h"
@@ -21,6 +22,15 @@ Calibration nominal_calibration(const RigInfo& info);
 /// Makes the records that job.calibrate asks for and fills CaseRecord::calibration, its uncertainties, decay
 /// and calibration_text. Never fails: see CaseRecord::failure.
 CaseRecord run_calibration(const CaseJob& job, Rig& rig, const std::atomic<bool>* cancelled = nullptr);
+
+/// What every image takes (docs/protocol.md); it refuses a calibration beyond.
+struct CalibrationBounds {
+  double gain_min_N_per_V = 1e-3, gain_max_N_per_V = 100.0, offset_N = 50.0, scale_min = 0.01, scale_max = 100.0;
+};
+inline constexpr CalibrationBounds kCalibrationBounds;
+
+/// The number of a calibration that no image takes, with its bounds; "" where all are taken.
+std::string beyond_what_images_take(const Calibration& calibration);
 
 /// A calibration file, and the converter that it was made with where it states one.
 struct CalibrationFile {

@@ -172,7 +172,9 @@ Decision decide(std::span<const Check* const> checks, const DecisionRule& rule, 
   if (!rig.empty()) {
     const Check* root = cause(rig, {"rig_", "link_", "time_base", "firmware_runs", "safety_stop"});
     const Check& first = root != nullptr ? *root : *worst(rig);
-    d = no_decision(first.blame == Blame::none ? Blame::rig : first.blame, 4,
+    Blame blame = first.blame == Blame::none ? Blame::rig : first.blame;
+    if (events.of_recording && (blame == Blame::link || blame == Blame::rig)) blame = Blame::recording;
+    d = no_decision(blame, events.of_recording ? 3 : 4,
                     (first.evidence.empty() ? check_in_words(first) : title_and_evidence(first)) +
                         named(first) + more(rig.size()));
     d.safety_stop = events.safety_stop;

@@ -39,10 +39,14 @@ Check to_check(std::string id, std::string title, double value, std::string unit
 std::optional<Check> sensor_sync(const Plan& plan, const CaseRecord& record) {
   if (!std::isfinite(record.raw_lag_s) || !record.facts.dynamic) return std::nullopt;
   const bool behind = record.raw_lag_s >= 0.0;
+  const auto sensor = record.rig.details.find("sensor");
+  const bool is_fsr = sensor != record.rig.details.end() && sensor->second.find("FSR") != std::string::npos;
   return to_check("rig_sensor_sync", "Distance in time between the sensor's codes and the ATI", std::fabs(record.raw_lag_s),
-                  "s", kInputLagShare * plan.limits.lag_s, behind ? Blame::link : Blame::reference,
+                  "s", kInputLagShare * plan.limits.lag_s, !behind ? Blame::reference : is_fsr ? Blame::sensor : Blame::link,
                   fmt::format("the {} {:.1f} ms behind the {}", behind ? "codes are" : "ATI is", 1000.0 * std::fabs(record.raw_lag_s),
-                              behind ? "ATI" : "codes: its reading is late"));
+                              !behind  ? "codes: its reading is late"
+                              : is_fsr ? "ATI: an FSR lags by tens of milliseconds itself, and no image sees the force earlier (lag_s of [limits] allows more)"
+                                       : "ATI"));
 }
 
 // Departure over tolerance: <= 1 fits.

@@ -12,6 +12,7 @@
 #include "hil/gate/case_checks.h"
 #include "hil/gate/input_checks.h"
 #include "hil/gate/judge_accuracy.h"
+#include "hil/gate/judged_extrema.h"
 #include "hil/gate/judge_target.h"
 #include "hil/gate/statistics.h"
 #include "hil/interface/comparator.h"
@@ -33,13 +34,17 @@ std::string meant_algorithm(const std::string& id) {
   return nearest_name(id, known);
 }
 
-// Of the swing that most extrema belong to; infinity with too few to tell.
-double shortest_period_s(const std::vector<CasePair>& pairs, double from_s) {
-  std::vector<double> half_s;
-  for (std::size_t i = 1; i < pairs.size(); ++i)
-    if (pairs[i - 1].t_s >= from_s && pairs[i].maximum != pairs[i - 1].maximum) half_s.push_back(pairs[i].t_s - pairs[i - 1].t_s);
-  if (half_s.size() < 4) return std::numeric_limits<double>::infinity();
-  return 2.0 * median(std::move(half_s));
+// The extrema are those of the set-point: the reference has one where its force went there from the one before, if by less.
+std::size_t extrema_of_reference(const CaseRecord& record) {
+  constexpr double kOfSwing = 0.3;
+  std::size_t out = 0;
+  double setpoint_N = 0.0, ati_N = 0.0;  // unloaded, before the first
+  for (const CasePair& p : record.pairs) {
+    const double swing_N = p.setpoint_N - setpoint_N, followed_N = p.ati_N - ati_N;
+    if (p.t_s >= record.facts.excitation_start_s && followed_N / swing_N >= kOfSwing) ++out;
+    setpoint_N = p.setpoint_N, ati_N = p.ati_N;
+  }
+  return out;
 }
 
 class CaseJudge {
@@ -200,16 +205,13 @@ class CaseJudge {
   void extrema_count() {
     const auto expected = static_cast<double>(record_.expected_extrema);
     if (expected < 4.0 || !checks_.complete) return;
-    const double found =
-        static_cast<double>(std::count_if(record_.pairs.begin(), record_.pairs.end(), [&](const CasePair& p) {
-          return p.t_s >= record_.facts.excitation_start_s;
-        }));
+    const auto found = static_cast<double>(extrema_of_reference(record_));
     const double missing = std::max(0.0, (expected - found - 2.0) / expected);
     if (missing > kExtremaMissing) checks_.complete = false, checks_.incomplete_blame = Blame::rig;
     checks_.value_check("extrema_count", "Share of the profile's extrema that are missing", missing, "1", 0.0,
                         record_.expected_extrema,
                         {Limit::Kind::upper, kExtremaMissing, "ours: the profile was played"},
-                        fmt::format("{:.0f} extrema found, {:.0f} in the profile", found, expected));
+                        fmt::format("the reference followed {:.0f} of {:.0f} extrema of the profile", found, expected));
   }
 
   void link() {
@@ -246,8 +248,10 @@ class CaseJudge {
         fmt::format("{} to {} N", force_text(o.minimum_N), force_text(o.maximum_N)));
     if (calibration_fits_) checks_.judge_even_if_incomplete();
     spikes();
-    if (record_.facts.dynamic)
-      checks_.value_check("learning_window", "Longest start window", o.learning_longest_s, "s", 0.0,
+    // what lies before its end is not judged: however short the flag, it counts from where the excitation began
+    const double window_s = std::max(0.0, o.learning_end_s - record_.facts.excitation_start_s);
+    if (record_.facts.dynamic || window_s > 0.0)
+      checks_.value_check("learning_window", "Longest start window", std::max(o.learning_longest_s, window_s), "s", 0.0,
                           record_.samples, {Limit::Kind::upper, plan_.limits.learning_s, "ours: plan"},
                           fmt::format("the first window closed at {:.2f} s", o.learning_end_s));
     if (record_.facts.dynamic) lag();

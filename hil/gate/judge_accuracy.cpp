@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kFewMissing = 0.02;
-constexpr std::size_t kExtremaNeeded = 4;  // two of each kind: one has no spread
+constexpr std::size_t kOfEachKind = 2, kExtremaNeeded = 2 * kOfEachKind;  // one has no spread
 
 Limit limit_of(const std::string& id, const std::optional<double>& given, const PlanCase& planned,
                const DerivedLimits& limits) {
@@ -37,8 +37,9 @@ double sum_of_differences(const std::vector<double>& a, const std::vector<double
 
 void judge_accuracy(const Plan& plan, const PlanCase& planned, const CaseRecord& record,
                     const DerivedLimits& limits, CaseChecks& checks, JudgedCase& out) {
+  const Blame of_profile = record.rig.can_move ? Blame::user : Blame::recording;
   if (const std::size_t n = record.pairs.size(); planned.checks & kCheckAccuracy && n < kExtremaNeeded)
-    checks.final_check("accuracy", "Extrema to judge the accuracy on", Verdict::not_run, Blame::user,
+    checks.final_check("accuracy", "Extrema to judge the accuracy on", Verdict::not_run, of_profile,
                        fmt::format("the record holds {} extrema, an accuracy needs {}", n, kExtremaNeeded));
   if (!record.facts.dynamic && record.pairs.empty()) return;
   const bool closed = planned.loop == LoopMode::closed;
@@ -82,10 +83,15 @@ void judge_accuracy(const Plan& plan, const PlanCase& planned, const CaseRecord&
         wanted ? limit_of(judged_id, judge_relative ? given : std::nullopt, planned, limits) : none;
     const bool derived = wanted && !(judge_relative && given);
     if (wanted && items == 0 && record.duration_s <= record.facts.excitation_start_s + plan.limits.learning_s) {
-      checks.final_check(judged_id, judge_relative ? mre_title : mae_title, Verdict::not_run, Blame::user,
+      checks.final_check(judged_id, judge_relative ? mre_title : mae_title, Verdict::not_run, of_profile,
                          fmt::format("the record ends at {:.0f} s, no {} is behind the start window, which may last {:.0f} s: "
                                      "play a longer profile",
                                      record.duration_s, maximum ? "maximum" : "minimum", plan.limits.learning_s));
+      continue;
+    }
+    if (wanted && items < kOfEachKind) {
+      checks.final_check(judged_id, judge_relative ? mre_title : mae_title, Verdict::not_run, of_profile,
+                         fmt::format("{} {} behind the start window{}, an accuracy needs {}: play a longer profile", items, items == 1 ? (maximum ? "maximum lies" : "minimum lies") : maximum ? "maxima lie" : "minima lie", tail, kOfEachKind));
       continue;
     }
     // What the limit was derived with is left out of the value that is held against it, and of no other.
@@ -93,6 +99,7 @@ void judge_accuracy(const Plan& plan, const PlanCase& planned, const CaseRecord&
                          const std::string& evidence) {
       const bool cancelled = derived && judged;
       checks.value_check(id, title, value, unit, cancelled ? budget.u_against_derived() : budget.u(), n, judged ? limit : none, evidence + "; " + budget.to_text(unit, cancelled));
+      checks.list.back().dof = budget.degrees_of_freedom(cancelled ? budget.u_against_derived() : budget.u(), n);
       checks.repeatable(cancelled ? budget.u_of_this_record() : budget.u_systematic());
       checks.explained_by_calibration(std::string_view(unit) == "%" ? 100.0 * misfit : misfit * typical_N);
     };

@@ -1,8 +1,11 @@
 #pragma once
 // The extrema of a record that count: those after ramp-in and start window.
 
+#include <limits>
+#include <utility>
 #include <vector>
 
+#include "hil/base/quantile.h"
 #include "hil/gate/runner.h"
 #include "hil/gate/statistics.h"
 
@@ -31,6 +34,15 @@ inline JudgedExtrema judged_extrema(const PlanCase& planned, const CaseRecord& r
 /// with the loading: its bounds say nothing about the settled minima, whose mean it is; NaN where none was recorded.
 inline double minima_N(const PlanCase& planned, const CaseRecord& record) {
   return record.rig.can_move ? record.facts.mean_N - record.facts.amplitude_N : moments(judged_extrema(planned, record, false).expected).mean;
+}
+
+/// Of the swing that most extrema from `from_s` on belong to, s; infinity with fewer than four swings.
+inline double shortest_period_s(const std::vector<CasePair>& pairs, double from_s) {
+  std::vector<double> half_s;
+  for (std::size_t i = 1; i < pairs.size(); ++i)
+    if (pairs[i - 1].t_s >= from_s && pairs[i].maximum != pairs[i - 1].maximum) half_s.push_back(pairs[i].t_s - pairs[i - 1].t_s);
+  if (half_s.size() < 4) return std::numeric_limits<double>::infinity();
+  return 2.0 * median(std::move(half_s));
 }
 
 }  // namespace forcegate

@@ -41,7 +41,7 @@ std::vector<ErrorIncrease> error_increases(const PlanCase& planned, const std::s
                                            std::span<const JudgedCheck> candidate, const CaseResult& accepted, bool repeats);
 
 /// One required check for maxima and one for minima of every case: "no_worse_maxima/CASE". Verdicts are
-/// final. `repeats`: the rig gives the same record again (emulated).
+/// final. `repeats`: the rig gives the same record again (emulated, or one recording).
 std::vector<JudgedCheck> judge_no_worse(const Plan& plan, std::span<const ErrorIncrease> increases,
                                         bool repeats);
 

@@ -111,6 +111,7 @@ RunResult to_run_result(const RunMaterial& material, const std::vector<JudgedChe
   RunEvents events;
   events.level = material.level;
   events.cancelled = material.cancelled;
+  events.of_recording = !material.head.rig.name.empty() && !material.head.rig.can_move;
   std::vector<const Check*> all;
   for (const JudgedCheck& check : of_run) all.push_back(&check.check);
   std::vector<const PlayedRecord*> order;

@@ -11,7 +11,7 @@ namespace forcegate {
 enum class Verdict { pass, marginal, fail, inconclusive, rig_error, not_run, waived };
 enum class DecisionKind { accept, reject, no_decision };
 /// Who must act. `none` goes with ACCEPT.
-enum class Blame { none, firmware, sensor, rig, reference, link, calibration, user, harness };
+enum class Blame { none, firmware, sensor, rig, reference, link, calibration, user, harness, recording };
 
 // The words of files and reports; empty for a value that the enumeration does not have.
 std::string_view to_string(Verdict v);       ///< "pass" ... "waived"

@@ -50,6 +50,7 @@ std::string_view to_string(Blame b) {
     case Blame::calibration: return "calibration";
     case Blame::user: return "user";
     case Blame::harness: return "harness";
+    case Blame::recording: return "recording";
   }
   return {};
 }

@@ -192,6 +192,7 @@ std::string who_must_act(Blame blame) {
     case Blame::calibration: return "the calibration";
     case Blame::user: return "the plan or the command line";
     case Blame::harness: return "Forcegate itself";
+    case Blame::recording: return "the recording";
   }
   return "";
 }

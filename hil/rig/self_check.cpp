@@ -64,8 +64,9 @@ class SelfCheck {
     add({"rig_samples", "Share of samples that never arrived",
          o_.worst_gap_s > limits_.gap_s ? kInf : share(o_.lost + o_.time_gaps), "1", limits_.lost_share,
          Blame::link,
-         fmt::format("{} samples lost, {} gaps in time, the longest {:.3f} s, of {}", o_.lost, o_.time_gaps,
-                     std::max(0.0, o_.worst_gap_s), o_.samples)});
+         o_.time_gaps == 0 ? fmt::format("{} of {} samples lost", o_.lost, o_.samples)
+                           : fmt::format("{} samples lost, {} gaps in time, the longest {:.3f} s, of {}", o_.lost, o_.time_gaps,
+                                         std::max(0.0, o_.worst_gap_s), o_.samples)});
     if (o_.samples < 1000) return;
     const double stamped_s = o_.last_t_s - o_.first_t_s, counted_s = (n_ - 1.0) / info_.rate_Hz;
     add({"rig_clock", "Time stamps against the number of samples, relative",

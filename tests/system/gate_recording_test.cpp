@@ -132,6 +132,45 @@ TEST_F(GateRecording, ACalibrationThatNoImageTakesIsChargedToNone) {
   }
 }
 
+TEST_F(GateRecording, IsOneRecordOfOneSpecimenAndOfTheProfileThatItsCaseHas) {
+  const std::string csv = sine("run.csv", "F_ref_N", 1.0);
+  const auto gate = [&](std::vector<std::string> with) {
+    with.insert(with.begin(), {"gate", kNative, "--record", csv, "-o", folder / "run"});
+    return forcegate(with, kHere);
+  };
+  const ProcessResult all = gate({"--plan", "smoke"});
+  EXPECT_EQ(all.exit_code, 2) << all.out;
+  EXPECT_THAT(all.err, HasSubstr("a recording is one case, and this plan has 3"));
+  const ProcessResult other = gate({"--plan", "smoke", "--case", "hold_after_cycling"});
+  EXPECT_EQ(other.exit_code, 2) << other.out;
+  EXPECT_THAT(other.err, HasSubstr("this is no recording of the case 'hold_after_cycling'"));
+  gate({"--plan", "smoke", "--case", "sine_f0.50_A1.50_m2.70"});
+  EXPECT_EQ(Json::parse(read_text(folder / "run/result.json"), nullptr, false)["cases"].size(), 1U);
+  EXPECT_THAT(gate({"--specimen", "q25", "--specimen", "q50"}).err, HasSubstr("a recording is of one specimen, not of 2"));
+  EXPECT_THAT(gate({"--calibration", "identified"}).err, HasSubstr("a recording cannot be calibrated"));
+}
+
+TEST_F(GateRecording, OfTheSameRowsTwoBuildsDifferByNothing) {
+  const std::string csv = sine("run.csv", "F_ref_N", 1.0);
+  for (const Json& check : checks({csv, "--accepted", kNative}))
+    if (check["id"].get<std::string>().starts_with("no_worse")) {
+      EXPECT_EQ(check["u"], 0.0) << check;
+      EXPECT_EQ(check["verdict"], "pass") << check;
+    }
+}
+
+TEST_F(GateRecording, WithAGapIsToBeRecordedAnewAndNotToBePlayedAgain) {
+  const std::string csv = sine("run.csv", "F_ref_N", 1.0);
+  std::string text = read_text(csv);
+  const std::size_t from = text.find("\n8.000000,") + 1;
+  text.erase(from, text.find("\n10.000000,") + 1 - from);
+  write_text(csv, text);
+  const ProcessResult r = forcegate({"gate", kNative, "--record", csv, "-o", folder / "run"}, kHere);
+  EXPECT_EQ(r.exit_code, 3) << r.out;
+  EXPECT_THAT(r.out, HasSubstr("to act: the recording"));
+  EXPECT_THAT(r.out, Not(HasSubstr("0 gaps in time")));
+}
+
 TEST_F(GateRecording, BeyondTheConvertersRangeIsMendedAsItsHelpSays) {
   std::string text = "t_s,F_ref_N,U_V\n";
   for (int i = 0; i < 20000; ++i) {

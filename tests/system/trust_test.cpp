@@ -200,6 +200,13 @@ TEST_F(Trust, a_golden_is_missing_then_blessed_then_held) {
       run({"bless", folder / "second", "--who", "B", "--reason", "nothing new", "--goldens", goldens});
   EXPECT_THAT(again.out, HasSubstr("unchanged"));
   EXPECT_THAT(again.out, HasSubstr("\nnext: forcegate check ")) << "a command, and no sentence";
+  const std::string golden = goldens + "/sine@q50.golden";
+  std::string old = read_text(golden);
+  const std::size_t rig = old.find("emulated/");
+  ASSERT_NE(rig, std::string::npos) << old.substr(0, 400);
+  write_text(golden, old.replace(rig, 10, "emulated/0"));
+  EXPECT_THAT(run({"bless", folder / "second", "--who", "B", "--reason", "another rig", "--goldens", goldens}).out, HasSubstr("instead of emulated/0"));
+  EXPECT_EQ(gate(kGood, "fourth").exit_code, 0);
   EXPECT_EQ(run({"bless", folder / "third", "--who", "B", "--reason", "x", "--goldens", goldens}).exit_code,
             2)
       << "a rejected run is never golden";

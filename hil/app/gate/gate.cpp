@@ -34,6 +34,7 @@ class GateRun {
       if (plays_only_once(request_, setup_)) folder->keep_traces();
       for (const std::filesystem::path& left : folder->left_by_others())
         result_.notes.push_back("what a run that died had recorded is kept: " + left.string());
+      if (folder->older_stays()) result_.notes.push_back("the older run of that name, which a bench has played, is kept: " + folder->older().string());
     }
     const std::filesystem::path keep_folder = folder ? folder->path() : std::filesystem::path();
     if (accepted_) result_.notes.push_back(accepted_note(*accepted_));
@@ -105,6 +106,16 @@ class GateRun {
     compare();
   }
 
+  // Both builds have read the same rows.
+  bool is_one_recording() const {
+    const auto digest = [](const RigInfo& rig) {
+      const auto at = rig.details.find("record_sha256");
+      return at == rig.details.end() ? std::string() : at->second;
+    };
+    if (setup_.rig.can_move) return false;
+    return !accepted_->stored || (!digest(setup_.rig).empty() && digest(setup_.rig) == digest(accepted_->run.rig));
+  }
+
   void compare() {
     if (!accepted_) return;
     std::vector<ComparedRecord> pairs;
@@ -112,7 +123,7 @@ class GateRun {
       if (!one.superseded)
         pairs.push_back({&setup_.plan.cases[one.case_index], &one.record, player_->accepted(one.job),
                          &one.judged.checks});
-    compared_ = compare_with_accepted(setup_.plan, *accepted_, setup_.rig.emulated, pairs);
+    compared_ = compare_with_accepted(setup_.plan, *accepted_, setup_.rig.emulated || is_one_recording(), pairs);
     panel_.insert(panel_.end(), compared_.begin(), compared_.end());
     std::vector<JudgedCheck*> all = all_checks(panel_, player_->records());
     apply_rule(setup_.plan.rule, all);
@@ -176,6 +187,8 @@ class GateRun {
                          std::move(result_)};
     const auto& notes = player_->notes();
     material.head.notes.insert(material.head.notes.end(), notes.begin(), notes.end());
+    if (folder && material.cancelled && !folder->older().empty() && !folder->older_stays())
+      material.head.notes.push_back("the older run is kept until the next one is finished: " + folder->older().string());
     std::vector<GoldenMargins> margins;
     RunResult result = judged_run(material, evidence_, material.head.notes, &margins);
     if (!folder || material.cancelled) return result;

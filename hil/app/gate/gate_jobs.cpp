@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "hil/app/files/find_plan.h"
 #include "hil/app/gate/wire_faults.h"
@@ -49,8 +50,23 @@ Result<void> select_lanes(const GateRequest& request, GateSetup& setup) {
   return {};
 }
 
+// Limits are of a profile: a recording of another one is another case.
+Result<void> check_profile(const StimulusFacts& planned, const StimulusFacts& recorded, const PlanCase& c, const std::string& path) {
+  constexpr double kRel = 0.15, kOff_N = 0.15;
+  const auto ask = [&](const char* what, double plan, double here, const char* unit, double least) -> Result<void> {
+    if (!(std::fabs(here - plan) > kRel * std::fabs(plan) + least)) return {};
+    return fail(ErrorCode::usage, fmt::format("this is no recording of the case '{}': its {} is {:.3g} {}, the plan's {:.3g} {}", c.name, what, here, unit, plan, unit), path,
+                "choose the case that was played with --case, or judge it as it is: --plan replay");
+  };
+  FORCEGATE_CHECK_OK(ask("largest force", planned.maximum_N, recorded.maximum_N, "N", kOff_N));
+  if (!planned.dynamic) return {};
+  FORCEGATE_CHECK_OK(ask("mean force", planned.mean_N, recorded.mean_N, "N", kOff_N));
+  if (!(planned.lowest_frequency_Hz > 0.0 && recorded.lowest_frequency_Hz > 0.0)) return {};
+  return ask("frequency", planned.lowest_frequency_Hz, recorded.lowest_frequency_Hz, "Hz", 0.0);
+}
+
 // The profile of a recording is its own force channel.
-Result<void> take_profile_of_recording(const GateRequest& request, PlanCase& planned) {
+Result<void> take_profile_of_recording(const GateRequest& request, bool any_profile, PlanCase& planned) {
   const auto path = request.rig_options.find("record");
   if (path == request.rig_options.end())
     return {};  // another rig that cannot move: the plan's profile stands
@@ -60,8 +76,31 @@ Result<void> take_profile_of_recording(const GateRequest& request, PlanCase& pla
   if (const auto map = request.rig_options.find("map"); map != request.rig_options.end()) spec.texts["map"] = map->second;
   auto made = make_stimulus(spec);
   if (!made) return fail(ErrorCode::usage, made.error().text, made.error().where, made.error().hint);
+  const auto of_plan = make_stimulus(planned.stimulus);
+  if (of_plan && !any_profile) FORCEGATE_CHECK_OK(check_profile((*of_plan)->facts(), (*made)->facts(), planned, path->second));
   planned.stimulus = std::move(spec);
   return {};
+}
+
+// A recording is one record of one specimen, and so one case of a plan.
+Result<void> take_recording(const GateRequest& request, Plan& plan) {
+  constexpr const char* kAnyProfile = "recorded";  // source of the case that takes a recording as it is
+  if (request.panel.size() > 1)
+    return fail(ErrorCode::usage, fmt::format("a recording is of one specimen, not of {}", request.panel.size()), "--specimen", "name the one that was pressed");
+  if (request.level && (*request.level != CalibrationLevel::nominal || !request.calibration_file.empty()))
+    return fail(ErrorCode::usage, "a recording cannot be calibrated: nothing is played", "--calibration", "give the calibration of the specimen with --cal FILE; its level is in there");
+  std::erase_if(plan.cases, [](const PlanCase& c) { return c.loop == LoopMode::closed; });
+  if (plan.cases.empty())
+    return fail(ErrorCode::usage, "a recording cannot play a closed loop", plan.path.string(), "use a plan with an open-loop case, for example --plan replay");
+  if (plan.cases.size() > 1) {
+    std::vector<std::string> names;
+    for (const PlanCase& c : plan.cases) names.push_back(c.name);
+    return fail(ErrorCode::usage, fmt::format("a recording is one case, and this plan has {}", names.size()), plan.path.string(),
+                "choose the one that was played with --case (" + join(names, ", ") + "), or judge it as it is: --plan replay");
+  }
+  plan.panel = {request.panel.empty() ? std::string("recorded") : request.panel.front()};
+  plan.cases.front().specimens.clear();
+  return take_profile_of_recording(request, plan.cases.front().source == kAnyProfile, plan.cases.front());
 }
 
 // What the command line says of the converter of a recording stands, for the rig and for the firmware.
@@ -212,15 +251,7 @@ Result<GateSetup> prepare_gate(GateRequest& request) {
   // A board that converts by itself cannot be given codes that no rig makes.
   if (setup.lane == rig->board_lane())
     for (PlanCase& c : plan.cases) c.prelude_s = 0.0;
-  if (!setup.rig.can_move) {
-    // A recording is one record of one specimen: the plan's open-loop cases would all be the same.
-    std::erase_if(plan.cases, [](const PlanCase& c) { return c.loop == LoopMode::closed; });
-    if (plan.cases.empty())
-      return fail(ErrorCode::usage, "a recording cannot play a closed loop", plan.path.string(),
-                  "use a plan with an open-loop case, for example --plan replay");
-    plan.cases.resize(1);
-    FORCEGATE_CHECK_OK(take_profile_of_recording(request, plan.cases.front()));
-  }
+  if (!setup.rig.can_move) FORCEGATE_CHECK_OK(take_recording(request, plan));
   for (const PlanCase& c : plan.cases)
     if (c.checks == 0)
       return fail(ErrorCode::config, "case '" + c.name + "' asks for no check: nothing would judge its forces", c.where.empty() ? plan.path.string() : c.where,

@@ -6,10 +6,12 @@
 
 #include <algorithm>
 #include <csignal>
+#include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
 
 #include "hil/app/files/write_file.h"
+#include "hil/base/read_file.h"
 #include "hil/base/text.h"
 #include "hil/interface/reporter.h"
 
@@ -18,9 +20,13 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kPart = ".part-";
+constexpr const char* kOlder = ".older-";
 
-// Everything that a run may leave in its folder.
+// Everything that a run may leave in its folder, and the last thing that it writes: a folder of somebody's own traces has none.
 bool is_ours(const fs::path& folder) {
+  std::error_code ignored;
+  if (fs::is_empty(folder, ignored)) return true;
+  if (!fs::exists(folder / "result.json", ignored)) return false;
   std::vector<std::string> ours{"traces", "bundle", "bundle.json", "golden"};
   for (const ReporterKind& reporter : Registry<ReporterKind>::instance().all())
     if (!reporter.file_name.empty()) ours.push_back(reporter.file_name);
@@ -37,6 +43,8 @@ void sync_folder(const fs::path& folder) {
   close(descriptor);
 }
 
+fs::path unfinished(const fs::path& final_path, long pid) { return final_path.string() + ".unfinished-" + std::to_string(pid); }
+
 std::vector<fs::path> traces_in(const fs::path& folder) {
   std::vector<fs::path> out;
   std::error_code error;
@@ -46,7 +54,14 @@ std::vector<fs::path> traces_in(const fs::path& folder) {
   return out;
 }
 
-fs::path unfinished(const fs::path& final_path, long pid) { return final_path.string() + ".unfinished-" + std::to_string(pid); }
+// Traces that no seed makes again. A result that cannot be read may be of a bench.
+bool holds_what_a_bench_played(const fs::path& run) {
+  if (traces_in(run).empty()) return false;
+  const auto text = read_file(run / "result.json");
+  const auto result = text ? nlohmann::json::parse(*text, nullptr, false) : nlohmann::json();
+  const auto at = nlohmann::json::json_pointer("/rig/name");
+  return !result.is_object() || !result.contains(at) || (result[at] != "emulated" && result[at] != "replay");
+}
 
 bool lives(long pid) { return pid > 0 && pid != getpid() && kill(static_cast<pid_t>(pid), 0) == 0; }
 
@@ -101,13 +116,16 @@ Result<RunFolder> RunFolder::open(const fs::path& final_path) {
       return fail(ErrorCode::usage, "the output is a file", folder.final_.string(),
                   "give a folder with --output");
     if (!is_ours(folder.final_))
-      return fail(ErrorCode::usage, "the output folder holds files that are not of a run",
+      return fail(ErrorCode::usage, "the output folder holds files that are not of a finished run",
                   folder.final_.string(), "give a new or empty folder with --output");
-    fs::remove(folder.final_ / "result.json", error);
-    fs::remove_all(folder.final_, error);
+    const std::string own = folder.final_.string() + kOlder + std::to_string(getpid());
+    fs::path aside = own;
+    for (int k = 2; fs::exists(aside, error); ++k) aside = own + "-" + std::to_string(k);
+    if (fs::is_empty(folder.final_, error)) fs::remove(folder.final_, error);
+    else if (fs::rename(folder.final_, aside, error); !error) folder.older_ = aside;
     if (error)
-      return fail(ErrorCode::io, "the older result cannot be removed: " + error.message(),
-                  folder.final_.string(), "check its permissions and the free space");
+      return fail(ErrorCode::io, "the older result cannot be put aside: " + error.message(),
+                  folder.final_.string(), "check the permissions of the folder that it is in");
   }
   fs::create_directories(folder.final_.parent_path(), error);
   folder.left_ = remove_leftovers(folder.final_);
@@ -122,7 +140,7 @@ Result<RunFolder> RunFolder::open(const fs::path& final_path) {
 }
 
 RunFolder::RunFolder(RunFolder&& other) noexcept
-    : final_(std::move(other.final_)), temporary_(std::move(other.temporary_)), keeps_traces_(other.keeps_traces_), left_(std::move(other.left_)) {
+    : final_(std::move(other.final_)), temporary_(std::move(other.temporary_)), keeps_traces_(other.keeps_traces_), left_(std::move(other.left_)), older_(std::move(other.older_)) {
   other.temporary_.clear();
 }
 
@@ -171,7 +189,22 @@ Result<void> RunFolder::publish(const RunResult& result) {
   }
   temporary_.clear();
   sync_folder(final_.parent_path());
+  remove_older();
   return {};
+}
+
+bool RunFolder::older_stays() const { return !older_.empty() && holds_what_a_bench_played(older_); }
+
+// This run's and those of runs that were interrupted.
+void RunFolder::remove_older() const {
+  const std::string prefix = final_.filename().string() + kOlder;
+  std::error_code ignored;
+  std::vector<fs::path> replaced;
+  for (const auto& entry : fs::directory_iterator(final_.parent_path(), ignored))
+    if (const std::string name = entry.path().filename().string();
+        name.starts_with(prefix) && !lives(std::strtol(name.c_str() + prefix.size(), nullptr, 10)) && !holds_what_a_bench_played(entry.path()))
+      replaced.push_back(entry.path());
+  for (const fs::path& run : replaced) fs::remove_all(run, ignored);
 }
 
 }  // namespace forcegate

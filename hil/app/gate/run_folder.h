@@ -12,8 +12,8 @@ namespace forcegate {
 
 class RunFolder {
  public:
-  /// Removes an older result of that name at once (it must not be taken for this run's) and what killed runs
-  /// left, but traces: those stay under the name NAME.unfinished-PID. Refuses (usage) a folder that holds anything but a result
+  /// Puts an older run of that name aside at once, as NAME.older-PID (it must not be taken for this one), and removes what killed
+  /// runs left, but traces: those stay under the name NAME.unfinished-PID. Refuses (usage) a folder that holds anything but a result
   /// of ours, and one that another run is filling now: one of the two would be lost.
   static Result<RunFolder> open(const std::filesystem::path& final_path);
   RunFolder(RunFolder&& other) noexcept;
@@ -27,18 +27,25 @@ class RunFolder {
   /// Folders of traces that runs which died left under that name, now NAME.unfinished-PID.
   const std::vector<std::filesystem::path>& left_by_others() const { return left_; }
 
+  /// The older run, aside until this one is published; empty without one.
+  const std::filesystem::path& older() const { return older_; }
+  /// It stays for good: it holds traces that a bench has played.
+  bool older_stays() const;
+
   /// Where to put files before publish().
   const std::filesystem::path& path() const { return temporary_; }
 
-  /// Writes every reporter's file, result.json last, syncs and renames. Where somebody else has taken the name meanwhile
+  /// Writes every reporter's file, result.json last, syncs and renames, and removes the older run. Where somebody else has taken the name meanwhile
   /// the folder stays as NAME.run-PID, which the error names.
   Result<void> publish(const RunResult& result);
 
  private:
   RunFolder() = default;
+  void remove_older() const;
   std::filesystem::path final_, temporary_;
   bool keeps_traces_ = false;
   std::vector<std::filesystem::path> left_;
+  std::filesystem::path older_;
 };
 
 }  // namespace forcegate

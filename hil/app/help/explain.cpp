@@ -85,6 +85,8 @@ const std::vector<Explanation>& explanations() {
        "Judge at level identified, or repeat the static sweeps."},
       {"user", "who must act", "Whoever wrote the command line, plan or bench file.",
        "Follow the help line."},
+      {"recording", "who must act", "Whoever made the recording.",
+       "Record the profile again, whole; played again, the same file says the same."},
       {"harness", "who must act", "The authors of Forcegate.",
        "Report it with the command line and the folder of the run."},
       {"0", "exit code", "ACCEPT, or the verb did what it was asked.", "Nothing."},

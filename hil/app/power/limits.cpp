@@ -17,6 +17,13 @@ namespace {
 constexpr std::size_t kBatch = 25;  // specimens at a time: memory does not grow with n
 constexpr std::size_t kFewestRecordings = 5;
 
+// The gate judges small minima by their absolute error (hil/gate/judge_accuracy.cpp), for which a plan gives no limit.
+bool needs_derived(const Plan& plan, const PlanCase& c) {
+  if (!c.maxima_pct || !c.minima_pct) return true;
+  const auto profile = make_stimulus(c.stimulus);
+  return profile && (*profile)->facts().mean_N - (*profile)->facts().amplitude_N < plan.limits.minima_floor_N;
+}
+
 class Derivation {
  public:
   explicit Derivation(std::string date) { limits_.date = std::move(date); }
@@ -27,7 +34,7 @@ class Derivation {
     FORCEGATE_TRY(const Plan plan, read_plan(path));
     GateRequest gated = common(request, path);
     for (const PlanCase& c : plan.cases)
-      if (c.loop == LoopMode::open && c.checks & kCheckAccuracy && !c.maxima_pct)
+      if (c.loop == LoopMode::open && c.checks & kCheckAccuracy && needs_derived(plan, c))
         gated.only_cases.push_back(c.name);
     if (gated.only_cases.empty())
       return fail(ErrorCode::config, "no case of this plan needs a derived limit", path.string());

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "hil/app/files/find_plan.h"
@@ -26,9 +27,31 @@ std::string cell(std::string text) {
   return printable_utf8(text);
 }
 
+// What the gate asks of a golden before it compares the curves.
+std::string identity_change(const GoldenRecord& old, const GoldenRecord& now) {
+  std::vector<std::string> out;
+  const auto ask = [&](const char* name, const auto& before, const auto& after) {
+    if (before != after) out.push_back(fmt::format("{} {} instead of {}", name, after, before));
+  };
+  ask("rig", old.rig, now.rig);
+  ask("algorithm", old.algorithm, now.algorithm);
+  ask("seed", old.seed, now.seed);
+  const auto before = old.provenance.find("stimulus"), after = now.provenance.find("stimulus");
+  if (before != old.provenance.end() && after != now.provenance.end()) ask("profile", before->second, after->second);
+  return join(out, ", ");
+}
+
+// Windows that one of them does not have, or rows, and what is no number: another curve.
+bool same_shape(const GoldenContent& a, const GoldenContent& b) {
+  return std::ranges::equal(a.windows, b.windows, [](const auto& x, const auto& y) { return x.ati_N.size() == y.ati_N.size() && x.dut_N.size() == y.dut_N.size(); });
+}
+
 double furthest_N(const GoldenContent& a, const GoldenContent& b, std::size_t every, GoldenCurve curve) {
   double worst = 0.0;
-  const auto look = [&](double x, double y) { worst = std::max(worst, std::fabs(x - y)); };
+  const auto look = [&](double x, double y) {
+    if (std::isnan(x) && std::isnan(y)) return;
+    worst = std::isnan(x - y) ? std::numeric_limits<double>::infinity() : std::max(worst, std::fabs(x - y));
+  };
   const bool ati = curve == GoldenCurve::ati;
   for (std::size_t i = 0; i < a.extrema.size() && i * every < b.extrema.size(); ++i)
     look(ati ? a.extrema[i].ati_N : a.extrema[i].dut_N,
@@ -47,8 +70,10 @@ std::string change_of(const GoldenRecord* old, const GoldenRecord& now, const st
     return fmt::format("{} extrema instead of {}", now.content.extrema.size(), old->extrema_in_all);
   const double ati = furthest_N(old->content, now.content, old->every, GoldenCurve::ati);
   const double dut = furthest_N(old->content, now.content, old->every, GoldenCurve::firmware);
-  if (ati < 1e-4 && dut < 1e-4) return "unchanged";
-  return fmt::format("{} by at most {:.4f} N, firmware by at most {:.4f} N", truth, ati, dut);
+  const std::string identity = identity_change(*old, now);
+  if (!same_shape(old->content, now.content)) return "other windows" + (identity.empty() ? "" : ", " + identity);
+  if (ati < 1e-4 && dut < 1e-4) return identity.empty() ? "unchanged" : identity;
+  return (identity.empty() ? "" : identity + "; ") + fmt::format("{} by at most {:.4f} N, firmware by at most {:.4f} N", truth, ati, dut);
 }
 
 // A run as it is blessed, of whatever kind.

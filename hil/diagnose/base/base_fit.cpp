@@ -126,6 +126,9 @@ void set_repeatability(MixedProblem& problem, bool one_recording, bool zero_wand
                         {"log_b", 0.25, 0.05, 0.5},  {"log_q", 0.14, 0.03, 0.5},
                         {"F_min", 0.01, 0.001, 0.5}, {"swing", 0.03, 0.003, 0.5},
                         {"shape", 0.02, 0.003, 0.5}, {"wander", 0.002, 3e-4, 0.5}};
+  // the record that is left out may be the only one that decays: the others do not tell of its decay, whatever is asked beside it
+  if (!one_recording)
+    for (std::size_t k = 2; k < problem.components.size(); ++k) problem.components[k].nuisance = problem.components[k].name != "wander";
   // blocks of one recording are the same machine, not touched in between: what changes there is the residual's business, and slow waves of
   // each block by itself would take what a slow lag does
   if (one_recording)

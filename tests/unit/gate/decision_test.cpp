@@ -198,6 +198,18 @@ TEST(Decision, a_rig_error_is_retryable_and_never_blames_the_firmware) {
   EXPECT_EQ(d.blame, Blame::reference);
 }
 
+TEST(Decision, of_a_recording_nothing_is_retryable_and_nobody_mends_a_link) {
+  std::vector<Check> checks = judged({check(1.0, 4.5), check(std::nan(""), 1.0)});
+  checks.back().verdict = Verdict::rig_error;
+  checks.back().blame = Blame::link;
+  RunEvents events;
+  events.of_recording = true;
+  const Decision d = decided(checks, events);
+  EXPECT_EQ(d.kind, DecisionKind::no_decision);
+  EXPECT_EQ(d.exit_code, 3);
+  EXPECT_EQ(d.blame, Blame::recording);
+}
+
 TEST(Decide, at_level_nominal_an_algorithm_that_only_the_image_knows_cannot_be_told_from_its_calibration) {
   Check unknown;
   unknown.id = "conformance";

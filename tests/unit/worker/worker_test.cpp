@@ -218,6 +218,45 @@ TEST(RunFolder, removes_an_older_result_before_the_run) {
   EXPECT_FALSE(fs::exists(f.root / "run" / "result.json")) << "it could be taken for the result of this run";
 }
 
+TEST(RunFolder, an_older_run_is_gone_when_the_newer_one_is_there_and_not_before) {
+  Folder f;
+  const fs::path run = f.root / "run", aside = f.root / ("run.older-" + std::to_string(getpid()));
+  ASSERT_TRUE(RunFolder::open(run)->publish({}));
+  {
+    auto interrupted = RunFolder::open(run);
+    ASSERT_TRUE(interrupted);
+    EXPECT_EQ(interrupted->older(), aside);
+    EXPECT_FALSE(interrupted->older_stays());
+  }
+  EXPECT_TRUE(fs::exists(aside / "result.json")) << "Ctrl-C";
+  ASSERT_TRUE(RunFolder::open(run)->publish({}));
+  EXPECT_TRUE(fs::exists(run / "result.json"));
+  EXPECT_FALSE(fs::exists(aside));
+  // of a bench: nobody plays it again
+  RunResult of_bench;
+  of_bench.rig.name = "bench";
+  {
+    auto folder = RunFolder::open(run);
+    ASSERT_TRUE(folder);
+    fs::create_directories(folder->path() / "traces");
+    std::ofstream(folder->path() / "traces" / "a.h5") << "x";
+    ASSERT_TRUE(folder->publish(of_bench));
+  }
+  auto next = RunFolder::open(run);
+  ASSERT_TRUE(next);
+  EXPECT_TRUE(next->older_stays());
+  ASSERT_TRUE(next->publish({}));
+  EXPECT_TRUE(fs::exists(aside / "traces" / "a.h5"));
+}
+
+TEST(RunFolder, a_folder_of_somebodys_own_traces_is_no_run) {
+  Folder f;
+  fs::create_directories(f.root / "mine" / "traces");
+  std::ofstream(f.root / "mine" / "traces" / "my.csv") << "t_s,F_ref_N,U_V\n";
+  EXPECT_FALSE(RunFolder::open(f.root / "mine"));
+  EXPECT_TRUE(fs::exists(f.root / "mine" / "traces" / "my.csv"));
+}
+
 TEST(RunFolder, leaves_the_traces_of_a_bench_whatever_ends_the_run) {
   Folder f;
   fs::create_directories(f.root / "run.part-999999999" / "traces");
