@@ -77,6 +77,12 @@ TEST(BenchFile, InputRegistersHaveAddressesOfTheirOwnUnlessTheyAreWritten) {
       << "what is written lies among the holding registers";
 }
 
+TEST(BenchFile, AFileInAFolderWithAColonKeepsItsLogBesideIt) {
+  const auto bench = read_bench_text(bench_text("twin.toml") + "\n[specimens]\nlog = \"log.tsv\"\n", "/rigs/2026-11-27T08:30/t.toml");
+  ASSERT_TRUE(bench) << bench.error().to_text();
+  EXPECT_EQ(bench->specimens.log, "/rigs/2026-11-27T08:30/log.tsv");
+}
+
 TEST(BenchFile, ACalibrationOutOfDateIsFound) {
   const auto bench = read_bench_text(bench_text("twin.toml", {{"2099-12-31", "2026-01-31"}}), "t.toml");
   ASSERT_TRUE(bench);
