@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <csignal>
 #include <utility>
 #include <vector>
@@ -48,7 +49,8 @@ std::vector<fs::path> traces_in(const fs::path& folder) {
 
 fs::path unfinished(const fs::path& final_path, long pid) { return final_path.string() + ".unfinished-" + std::to_string(pid); }
 
-bool lives(long pid) { return pid > 0 && pid != getpid() && kill(static_cast<pid_t>(pid), 0) == 0; }
+// A process of another user must not be signalled (EPERM), but it lives.
+bool lives(long pid) { return pid > 0 && pid != getpid() && (kill(static_cast<pid_t>(pid), 0) == 0 || errno == EPERM); }
 
 // The folder that a living run fills for the same name; "" without one.
 fs::path of_another_run(const fs::path& final_path) {
