@@ -71,7 +71,7 @@ std::string selfcheck_text(const SelfcheckAnswer& a) {
   out += fmt::format("  control chart over {} visits (centre and spread from the first {}; {} are needed)\n",
                      a.visits, std::min(a.visits - 1, ControlChart::kBaseline), ControlChart::kNeeded);
   if (a.left_out > 0)
-    out += fmt::format("    {} visits of this rig are left out: their decision was not ACCEPT, or the known-good build was another\n", a.left_out);
+    out += fmt::format("    visits of this rig that are left out: {} (not ACCEPT, or another known-good build)\n", a.left_out);
   std::map<std::string, std::string> units;
   for (const CaseResult& c : a.result.cases)
     for (const Check& check : c.checks) units[check.id] = check.unit;
