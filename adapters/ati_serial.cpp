@@ -19,6 +19,7 @@ namespace {
 
 constexpr double kReply_s = 1.0;   ///< wall time for an answer to a command
 constexpr double kResync_s = 0.2;  ///< bench time between two attempts to stop a stream
+constexpr double kClockWindow_s = 0.5;
 constexpr int kResyncMax = 10;
 constexpr int kBadLinesMax = 20;
 
@@ -61,7 +62,7 @@ class AtiSerial final : public ReferenceSensor {
     state_ = State::echo;
     width_ = candidate_width_ = 0;
     resyncs_in_a_row_ = bad_in_a_row_ = 0;
-    clock_.begin(rate_Hz(), 0.5);
+    clock_.begin(rate_Hz(), kClockWindow_s);
     last_N_ = std::numeric_limits<double>::quiet_NaN();
     held_.clear();
     return {};
@@ -90,8 +91,10 @@ class AtiSerial final : public ReferenceSensor {
         continue;
       }
       const bool learning = !options_.binary && width_ == 0;
-      if (learning)
-        width_ = std::exchange(candidate_width_, parsed.consumed) == parsed.consumed ? parsed.consumed : 0;
+      if (learning && std::exchange(candidate_width_, parsed.consumed) == parsed.consumed) {
+        width_ = parsed.consumed;
+        clock_.begin(rate_Hz(), kClockWindow_s);  // the width says how many lines a second there are
+      }
       buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(parsed.consumed));
       if (learning)
         clock_.next(now_s);  // lines count once two in a row have one length

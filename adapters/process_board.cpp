@@ -33,7 +33,10 @@ class ProcessBoard final : public SensorBoard {
                   "set clock = \"paced\" under [twins]");
     counters_ = {};
     FORCEGATE_TRY(DeviceIdentity identity, program_.open(true));
-    identity.by_file = identity.serial != serial_;
+    if (!identity.serial.empty() && identity.serial != serial_)
+      return fail(ErrorCode::device, "the board has serial number " + identity.serial + ", the bench file says " + serial_,
+                  program_.where(), "connect the right board, or enter its serial number under [board]");
+    identity.by_file = identity.serial.empty();
     identity.serial = serial_;
     return identity;
   }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <set>
 
 #include "hil/base/text.h"
 
@@ -117,13 +118,31 @@ Result<Condition> read_condition(const std::string& name, const ConfigNode& node
   c.mask = static_cast<std::uint32_t>(mask);
   c.equal = equal;
   c.value = static_cast<std::uint32_t>(equal ? equals : differs);
+  const std::uint32_t bits = c.mask & (map.reg.at(c.reg).size() == 1 ? 0xFFFFU : 0xFFFFFFFFU);
+  const char* const always = equal ? "never" : "always";
+  if (bits == 0)
+    return fail(ErrorCode::config, fmt::format("the mask 0x{:x} of state '{}' looks at no bit of register '{}'", c.mask, name, c.reg),
+                node.where, "set the bits that tell the state");
+  if ((c.value & ~bits) != 0)
+    return fail(ErrorCode::config,
+                fmt::format("state '{}' {} holds: 0x{:x} has bits outside of 0x{:x}, which is all it sees of register '{}'", name, always,
+                            c.value, bits, c.reg),
+                node.where, "give the value as it stands in the register, under 'mask', not shifted down");
   return c;
 }
 
+// Functions 3 and 4 read two tables of the drive; whatever is written lies in the one of function 3.
 Result<void> refuse_overlap(const RegisterMap& map, const std::string& where) {
+  std::set<std::string> written{map.heartbeat.reg, map.heartbeat.drive_timeout_reg};
+  for (const auto& [name, steps] : map.cmd)
+    for (const Step& step : steps) written.insert(step.reg);
+  const auto one_table = [&](const Register& a, const Register& b) {
+    const auto holding = [&](const Register& r) { return r.read_function == 3 || written.contains(r.name); };
+    return a.read_function == b.read_function || (holding(a) && holding(b));
+  };
   for (const auto& [a_name, a] : map.reg)
     for (const auto& [b_name, b] : map.reg)
-      if (a_name < b_name && a.address < b.address + b.size() && b.address < a.address + a.size())
+      if (a_name < b_name && one_table(a, b) && a.address < b.address + b.size() && b.address < a.address + a.size())
         return fail(ErrorCode::config, fmt::format("registers '{}' and '{}' overlap", a_name, b_name), where,
                     "32-bit registers take two addresses");
   return {};
@@ -241,7 +260,6 @@ Result<RegisterMap> read_register_map(ConfigReader& motor, int address_base) {
     FORCEGATE_TRY(map.reg[registers->names[i]],
                   read_register(registers->names[i], registers->items[i], address_base));
   }
-  FORCEGATE_CHECK_OK(refuse_overlap(map, registers->where));
   for (std::size_t i = 0; i < commands->names.size(); ++i) {
     FORCEGATE_TRY(map.cmd[commands->names[i]], read_steps(commands->names[i], commands->items[i], map));
   }
@@ -259,6 +277,7 @@ Result<RegisterMap> read_register_map(ConfigReader& motor, int address_base) {
                                "every drive must be able to stop"));
   FORCEGATE_CHECK_OK(require(map.state.contains("fault"), "state 'fault'", states->where, {}));
   FORCEGATE_TRY(map.heartbeat, read_heartbeat(*heartbeat, map));
+  FORCEGATE_CHECK_OK(refuse_overlap(map, registers->where));
   return map;
 }
 

@@ -11,8 +11,7 @@ constexpr double kFarewell_s = 0.5;
 constexpr double kLook_s = 0.05;
 
 std::filesystem::path folder_of_bench(const ConfigNode& table) {
-  const std::filesystem::path file(table.where.substr(0, table.where.find(':')));
-  return std::filesystem::absolute(file).parent_path();
+  return std::filesystem::absolute(table.file).parent_path();
 }
 
 }  // namespace

@@ -19,6 +19,7 @@ struct ConfigNode {
   enum class Kind { table, array, text, number, integer, boolean, other };
   Kind kind = Kind::other;
   std::string where;  ///< "plan.toml:12:3"
+  std::string file;   ///< "plan.toml"
   std::string text;
   double number = 0.0;  ///< also set for integers
   std::int64_t integer = 0;

@@ -8,13 +8,13 @@
 #include <vector>
 
 #include "hil/interface/controller.h"
+#include "hil/rig/control_period.h"
 #include "hil/rig/rig_witness.h"
 #include "hil/rig/self_check.h"
 
 namespace forcegate::characterize {
 namespace {
 
-constexpr double kPeriod_s = 0.01;
 constexpr std::size_t kPeriodsPerBlock = 400;
 
 }  // namespace
@@ -55,7 +55,7 @@ Result<PlayedRecord> Bench::play(const Stimulus& stimulus, const BlockSink& sink
   witness.begin(out.rig);
 
   const double rate_Hz = out.rig.rate_Hz;
-  const auto step = std::max<std::size_t>(1, static_cast<std::size_t>(std::llround(kPeriod_s * rate_Hz)));
+  const auto [step, period_s] = control_period(rate_Hz);
   RigBlock block;
   block.resize(step * kPeriodsPerBlock);
   std::vector<double> setpoint_N(block.size() + 1);
@@ -73,7 +73,7 @@ Result<PlayedRecord> Bench::play(const Stimulus& stimulus, const BlockSink& sink
     while (rows < wanted) {
       ControllerInput in;
       in.t_s = static_cast<double>(done + rows) / rate_Hz;
-      in.period_s = kPeriod_s;
+      in.period_s = period_s;
       in.setpoint_N = setpoint_N[rows];
       in.setpoint_next_N = setpoint_N[std::min(rows + step, wanted)];
       in.estimate_N = estimate_N;

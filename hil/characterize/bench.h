@@ -54,7 +54,7 @@ class Bench {
   Bench(Rig& rig, Setup setup, BenchProgress& progress)
       : rig_(rig), setup_(std::move(setup)), progress_(progress) {}
 
-  /// Without an estimator in open loop, with one in force control (10 ms period). Errors: those of the
+  /// Without an estimator in open loop, with one in force control (hil/rig/control_period.h). Errors: those of the
   /// rig; a rig that fails its self-check (open loop only: a closed loop may drive the wheel to its stop); a
   /// record stopped by the safety gate or cut short in open loop; cancelled.
   Result<PlayedRecord> play(const Stimulus& stimulus, const BlockSink& sink, const Closed& closed = {});

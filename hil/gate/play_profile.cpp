@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hil/gate/runner.h"
 #include "hil/gate/settled_rows.h"
 #include "hil/interface/controller.h"
+#include "hil/rig/control_period.h"
 #include "hil/rig/self_check.h"
 
 namespace forcegate {
@@ -31,7 +31,7 @@ Result<void> play_profile(Rig& rig, const Stimulus& stimulus, RigRecordRequest r
   witness.begin(out.rig);
   witness.zero_before(rig.reference_zero());
   const double rate_Hz = out.rig.rate_Hz;
-  const auto step = static_cast<std::size_t>(std::llround(kControlPeriod_s * rate_Hz));
+  const auto [step, period_s] = control_period(rate_Hz);
   RigBlock block;
   block.resize(step * 400);
   std::vector<float> commanded(block.size());
@@ -50,7 +50,7 @@ Result<void> play_profile(Rig& rig, const Stimulus& stimulus, RigRecordRequest r
     while (rows < block.size() && out.samples + rows < total) {
       ControllerInput in;
       in.t_s = static_cast<double>(out.samples + rows) / rate_Hz;
-      in.period_s = kControlPeriod_s;
+      in.period_s = period_s;
       in.setpoint_N = stimulus.force_N(in.t_s);
       in.setpoint_next_N = stimulus.force_N(std::min(in.t_s + in.period_s, request.duration_s));
       in.theta_rad = rig.theta_rad();

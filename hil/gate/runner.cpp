@@ -9,6 +9,7 @@
 #include "hil/gate/prelude.h"
 #include "hil/gate/settled_rows.h"
 #include "hil/interface/firmware_guard.h"
+#include "hil/rig/control_period.h"
 #include "hil/rig/safety_gate.h"
 #include "hil/trace/extrema.h"
 
@@ -114,11 +115,10 @@ class CaseRun {
       if (auto begun = devices_.writer->begin(job_, record_); !begun)
         return failed(Stage::harness, begun.error());
 
-    period_samples_ =
-        std::max<std::size_t>(1, static_cast<std::size_t>(std::llround(kControlPeriod_s * rate_Hz)));
+    period_ = control_period(rate_Hz);
     on_board_ = devices_.rig->board_firmware() != nullptr;
     settled_ = SettledRows(rate_Hz);
-    block_rows_ = record_.rig.can_move ? period_samples_ * kPeriodsPerBlock : kReplayBlock;
+    block_rows_ = record_.rig.can_move ? period_.samples * kPeriodsPerBlock : kReplayBlock;
     block_.resize(block_rows_);
     dut_.resize(block_rows_);
     flags_.resize(block_rows_);
@@ -148,16 +148,16 @@ class CaseRun {
     if (wanted == 0) return 0;
     fill_setpoints(first, wanted);
     const bool closed = job_.planned.loop == LoopMode::closed;
-    const std::size_t step = record_.rig.can_move ? period_samples_ : wanted;
+    const std::size_t step = record_.rig.can_move ? period_.samples : wanted;
     std::size_t rows = 0;
     while (rows < wanted) {
       float told = 0.0f;
       if (controller_) {
         ControllerInput in;
         in.t_s = static_cast<double>(first + rows) / record_.rig.rate_Hz;
-        in.period_s = kControlPeriod_s;
+        in.period_s = period_.s;
         in.setpoint_N = setpoint_[rows];
-        in.setpoint_next_N = setpoint_[std::min(rows + period_samples_, wanted)];
+        in.setpoint_next_N = setpoint_[std::min(rows + period_.samples, wanted)];
         in.estimate_N = estimate_N_;
         in.theta_rad = devices_.rig->theta_rad();
         auto velocity = gate_.command(controller_->velocity_rad_per_s(in));
@@ -252,7 +252,8 @@ class CaseRun {
   bool dut_open_ = false;
   bool on_board_ = false;  ///< the firmware runs behind the rig's own wires
   SettledRows settled_;
-  std::size_t period_samples_ = 10, block_rows_ = 4090;
+  ControlPeriod period_;
+  std::size_t block_rows_ = 4090;
   RigBlock block_;
   std::vector<float> dut_, commanded_;
   std::vector<std::uint8_t> flags_;

@@ -1,7 +1,7 @@
 #pragma once
 // Plays one record: Stimulus -> Rig{ Controller -> SafetyGate } -> firmware -> sinks. It measures and judges
 // nothing. Open loop: the firmware gets whole blocks. Closed loop: the firmware gets the samples of one
-// controller period (10 ms) and its last force is the controller's estimate.
+// controller period (hil/rig/control_period.h) and its last force is the controller's estimate.
 
 #include <atomic>
 #include <functional>
@@ -14,8 +14,6 @@
 #include "hil/interface/rig.h"
 
 namespace forcegate {
-
-inline constexpr double kControlPeriod_s = 0.01;
 
 /// Takes the samples of a record as they come (journal). Errors end the record as harness failures.
 class RecordWriter {

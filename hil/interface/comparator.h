@@ -55,4 +55,11 @@ struct ComparatorKind {
   std::vector<std::string> algorithms = {};  ///< by their ids, for who slipped in one
 };
 
+/// The first, by name, that knows the algorithm; nullptr when none does. Who plays a record and who measures it again ask this.
+inline const ComparatorKind* comparator_of(std::string_view algorithm_id) {
+  for (const ComparatorKind& kind : Registry<ComparatorKind>::instance().all())
+    if (kind.accepts(algorithm_id)) return &kind;
+  return nullptr;
+}
+
 }  // namespace forcegate

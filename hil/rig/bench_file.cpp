@@ -74,7 +74,7 @@ Result<void> read_specimens(const ConfigNode& table, BenchSpecimens& out) {
   if (short_rest == "widen" && !told)
     in.complain(table, "short_rest = \"widen\" needs short_rest_u_rel",
                 "how much do two records without a rest differ on this sensor?");
-  out.log = std::filesystem::path(table.where.substr(0, table.where.find(':'))).parent_path() / log;
+  out.log = std::filesystem::path(table.file).parent_path() / log;
   out.rest_s = 3600.0 * rest_h;
   out.widen = short_rest == "widen";
   return in.finish();

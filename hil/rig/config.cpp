@@ -20,6 +20,7 @@ std::string position(const std::string& name, const toml::source_region& at) {
 Result<ConfigNode> convert(const toml::node& from, const std::string& name, int depth) {
   ConfigNode to;
   to.where = position(name, from.source());
+  to.file = name;
   if (depth > kDeepest) return fail(ErrorCode::config, "values are nested too deeply", to.where);
   if (const toml::table* table = from.as_table()) {
     to.kind = ConfigNode::Kind::table;

@@ -95,6 +95,10 @@ for line in sys.stdin:
     reply = {"id": request["id"], "ok": True, "clock_s": time.monotonic()}
     if verb == "open":
         reply["model"] = "scripted"
+        if fault == "other_serial":
+            reply["serial"] = "X"
+        elif fault == "in_folder":
+            reply["serial"] = os.path.basename(os.getcwd())
     elif verb == "arm":
         reply["timeout_s"] = request["timeout_s"]
     elif verb == "emergency":

@@ -299,7 +299,11 @@ TEST_F(Trust, a_rig_is_found_fit_and_its_visits_are_charted) {
   const ProcessResult other =
       run({"bench", "selfcheck", kOff, "--seed", "1", "--history", history, "-o", folder / "s", "--json"});
   EXPECT_EQ(other.exit_code, 4) << "a build that is not known to be good";
-  EXPECT_EQ(Json::parse(other.out)["visits"].get<int>(), 10);
+  EXPECT_EQ(Json::parse(other.out)["visits"].get<int>(), 1) << "the visits of another build are no measure of it";
+  const ProcessResult back = run({"bench", "selfcheck", kGood, "--seed", "10", "--history", history, "-o", folder / "s", "--json"});
+  EXPECT_EQ(back.exit_code, 0) << back.out << back.err;
+  EXPECT_EQ(Json::parse(back.out)["visits"].get<int>(), 10);
+  EXPECT_EQ(Json::parse(back.out)["left_out"].get<int>(), 1);
 }
 
 TEST_F(Trust, repeatability_writes_only_limits_that_the_rig_resolves) {

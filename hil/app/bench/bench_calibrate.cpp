@@ -19,6 +19,7 @@ namespace {
 constexpr double kLook_s = 0.01;
 constexpr double kSpeed_rad_per_s = 0.5;
 constexpr double kUsableTravel = 0.95;
+constexpr double kLow_rad = 0.1;
 
 /// Mean of the readings of the next seconds; an invalid one ends it.
 Result<CalibrationPoint> average(BenchSession& s, const CalibrateRequest& q, double x, double seconds) {
@@ -158,13 +159,21 @@ Result<Calibrated> calibrate_reference(const CalibrateRequest& q, const Guide& g
   return out;
 }
 
+double spring_top_rad(const RigGeometry& g, double force_max_N) {
+  const double free_N = kUsableTravel * force_max_N - g.spring_N_per_mm * g.preload_mm;
+  const double reach = std::clamp(free_N / (g.spring_N_per_mm * 2.0 * g.eccentricity_mm), 0.0, 1.0);
+  return std::min(g.theta_max_rad, std::acos(1.0 - 2.0 * reach * kUsableTravel));
+}
+
 Result<Calibrated> calibrate_spring(const CalibrateRequest& q) {
   FORCEGATE_TRY(BenchFile bench, read_bench(q.bench));
   const RigGeometry g = bench.geometry;
-  const double reach =
-      std::min(1.0, kUsableTravel * bench.limits.force_max_N / (g.spring_N_per_mm * 2.0 * g.eccentricity_mm));
-  const double top_rad = std::min(g.theta_max_rad, std::acos(1.0 - 2.0 * reach * kUsableTravel));
-  const double low_rad = std::max(g.theta_min_rad, 0.1);
+  const double top_rad = spring_top_rad(g, bench.limits.force_max_N), low_rad = std::max(g.theta_min_rad, kLow_rad);
+  if (!(top_rad > low_rad))
+    return fail(ErrorCode::config,
+                fmt::format("the force limit of {:.3g} N leaves no travel above the preload, which is {:.3g} N", bench.limits.force_max_N,
+                            g.spring_N_per_mm * g.preload_mm),
+                q.bench.string(), "mend force_max_N in [limits], or the preload on the wheel and in [geometry]");
   const double u_reference = bench.reference_u_rel;
   FORCEGATE_TRY(const auto s, BenchSession::make(std::move(bench), q.options));
   FORCEGATE_CHECK_OK(s->open());

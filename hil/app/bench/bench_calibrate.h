@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "hil/base/result.h"
+#include "hil/interface/rig.h"
 
 namespace forcegate {
 
@@ -58,7 +59,11 @@ struct Calibrated {
 
 /// Masses on the reference, wheel unloaded; nothing moves. The scale that follows: reading = slope x true force.
 Result<Calibrated> calibrate_reference(const CalibrateRequest& request, const Guide& guide);
-/// The wheel turns slowly through its travel and back: F = k preload + k e (1 - cos theta).
+/// Angle up to which the spring is calibrated, rad: 95 % of the travel up to theta_max_rad and to 95 % of the force limit,
+///   k (preload + e (1 - cos theta)) <= 0.95 force_max_N;   0 where the preload alone is beyond it.
+double spring_top_rad(const RigGeometry& geometry, double force_max_N);
+/// The wheel turns slowly through its travel and back: F = k preload + k e (1 - cos theta). ErrorCode::config where the force limit
+/// leaves no travel.
 Result<Calibrated> calibrate_spring(const CalibrateRequest& request);
 /// Two slow sweeps: F = gain U + offset (Lebosse 2011, eq. 1), as the gate makes them.
 Result<Calibrated> calibrate_sensor(const CalibrateRequest& request);

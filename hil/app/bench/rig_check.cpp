@@ -41,8 +41,9 @@ Result<SelfcheckAnswer> selfcheck(const SelfcheckRequest& request, const GatePro
     history.push_back(visit_of(answer.result));
     FORCEGATE_CHECK_OK(append_visit(request.history, history.back()));
     answer.charts = control_charts(history);
-    answer.visits = static_cast<std::size_t>(std::count_if(
-        history.begin(), history.end(), [&](const RigVisit& v) { return v.rig == history.back().rig; }));
+    answer.visits = charted_visits(history).size();
+    const auto of_rig = std::count_if(history.begin(), history.end(), [&](const RigVisit& v) { return v.rig == history.back().rig; });
+    answer.left_out = static_cast<std::size_t>(of_rig) - answer.visits;
     for (const ControlChart& chart : answer.charts)
       if (!chart.in_control) answer.reasons.push_back(chart.quantity + " " + chart.text);
   }
@@ -69,6 +70,8 @@ std::string selfcheck_text(const SelfcheckAnswer& a) {
   if (a.charts.empty()) return out;
   out += fmt::format("  control chart over {} visits (centre and spread from the first {}; {} are needed)\n",
                      a.visits, std::min(a.visits - 1, ControlChart::kBaseline), ControlChart::kNeeded);
+  if (a.left_out > 0)
+    out += fmt::format("    visits of this rig that are left out: {} (not ACCEPT, or another known-good build)\n", a.left_out);
   std::map<std::string, std::string> units;
   for (const CaseResult& c : a.result.cases)
     for (const Check& check : c.checks) units[check.id] = check.unit;
@@ -97,6 +100,7 @@ std::string selfcheck_json(const SelfcheckAnswer& a) {
   for (const auto& [name, value] : now.values) values[name] = value;
   return nlohmann::ordered_json{{"format", 1},     {"fit", a.fit},     {"reasons", a.reasons},
                                 {"rig", now.rig},  {"values", values}, {"visits", a.visits},
+                                {"left_out", a.left_out},
                                 {"charts", charts}}
       .dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
 }

@@ -15,7 +15,8 @@ struct SelfcheckRequest {
 struct SelfcheckAnswer {
   RunResult result;                  ///< the known-good build on the known profile
   std::vector<ControlChart> charts;  ///< with a history
-  std::size_t visits = 0;            ///< of this rig, with this one
+  std::size_t visits = 0;            ///< that are charted, with this one
+  std::size_t left_out = 0;          ///< others of this rig (charted_visits)
   bool fit = false;
   std::vector<std::string> reasons;  ///< why not
 };

@@ -110,14 +110,24 @@ ControlChart control_chart(const std::string& quantity, const std::vector<double
   return chart;
 }
 
+std::vector<const RigVisit*> charted_visits(const std::vector<RigVisit>& history) {
+  std::vector<const RigVisit*> out;
+  if (history.empty()) return out;
+  const RigVisit& last = history.back();
+  for (const RigVisit& v : history)
+    if (&v == &last || (v.rig == last.rig && v.firmware_sha256 == last.firmware_sha256 && v.decision == to_string(DecisionKind::accept)))
+      out.push_back(&v);
+  return out;
+}
+
 std::vector<ControlChart> control_charts(const std::vector<RigVisit>& history) {
   std::vector<ControlChart> charts;
   if (history.empty()) return charts;
+  const std::vector<const RigVisit*> visits = charted_visits(history);
   for (const auto& [name, last] : history.back().values) {
     std::vector<double> x;
-    for (const RigVisit& v : history)
-      if (v.rig == history.back().rig)
-        if (const auto at = v.values.find(name); at != v.values.end()) x.push_back(at->second);
+    for (const RigVisit* v : visits)
+      if (const auto at = v->values.find(name); at != v->values.end()) x.push_back(at->second);
     charts.push_back(control_chart(name, x, std::max(1e-4 * std::fabs(x.front()), 1e-6), history.back().values.size()));
   }
   return charts;

@@ -48,7 +48,11 @@ struct ControlChart {
 /// `charts`: how many quantities a visit is judged by.
 ControlChart control_chart(const std::string& quantity, const std::vector<double>& x, double resolution, std::size_t charts = 1);
 
-/// One chart a quantity of the last visit, over the visits of the same rig.
+/// What the last visit is judged by, and itself at the end: the visits of the same rig with the same known-good build whose decision was
+/// ACCEPT. A visit to a rig that was not fit says nothing of how a fit one varies, and another build's errors are no drift of the rig.
+std::vector<const RigVisit*> charted_visits(const std::vector<RigVisit>& history);
+
+/// One chart a quantity of the last visit, over the charted visits.
 std::vector<ControlChart> control_charts(const std::vector<RigVisit>& history);
 
 /// Share of a one-sided tolerance that the rig's own repeatability takes: %GRR = 100 * 3 s / limit for an error that cannot

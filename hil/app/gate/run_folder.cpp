@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <csignal>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -63,7 +64,8 @@ bool holds_what_a_bench_played(const fs::path& run) {
   return !result.is_object() || !result.contains(at) || (result[at] != "emulated" && result[at] != "replay");
 }
 
-bool lives(long pid) { return pid > 0 && pid != getpid() && kill(static_cast<pid_t>(pid), 0) == 0; }
+// A process of another user must not be signalled (EPERM), but it lives.
+bool lives(long pid) { return pid > 0 && pid != getpid() && (kill(static_cast<pid_t>(pid), 0) == 0 || errno == EPERM); }
 
 // The folder that a living run fills for the same name; "" without one.
 fs::path of_another_run(const fs::path& final_path) {

@@ -27,9 +27,8 @@ CaseRecord failed(const CaseJob& job, CaseFailure::Stage stage, Error error) {
 class LateComparator final : public Comparator {
  public:
   Result<void> begin(const ComparatorSession& session) override {
-    inner_.reset();
-    for (const ComparatorKind& kind : Registry<ComparatorKind>::instance().all())
-      if (kind.accepts(session.algorithm_id)) inner_ = kind.make();
+    const ComparatorKind* kind = comparator_of(session.algorithm_id);
+    inner_ = kind != nullptr ? kind->make() : nullptr;
     if (inner_) return inner_->begin(session);
     return {};
   }

@@ -23,9 +23,8 @@ using characterize::WeightMaterial;
 
 std::unique_ptr<Comparator> comparator_for(const CaseRecord& record) {
   if (!record.conformance_known) return nullptr;
-  for (const ComparatorKind& kind : Registry<ComparatorKind>::instance().all())
-    if (kind.accepts(record.firmware.algorithm_id)) return kind.make();
-  return nullptr;
+  const ComparatorKind* kind = comparator_of(record.firmware.algorithm_id);
+  return kind != nullptr ? kind->make() : nullptr;
 }
 
 // Facts of kept records must follow from their samples.

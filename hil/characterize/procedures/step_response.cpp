@@ -1,4 +1,4 @@
-// Step response (III-B, Fig. 5): a step of the wheel from 1 to 4 N. Time from the first motion until a signal stays
+// Step response (III-B, Fig. 5): a step of the wheel from 1 to 4 N. Time from the set-point's step until a signal stays
 // within 5 % of the step around its final value; moving mean over 5 ms, for noise is no settling. Lag of the sensor
 // behind the ATI: area between the two normalised responses, which for one pole is its time constant.
 

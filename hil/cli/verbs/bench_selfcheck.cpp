@@ -51,8 +51,8 @@ const Registration<Command> kRow{Command{
                    "before and after, noise, "
                    "stiffness of the spring, following error, clocks, lost samples, sensor channel, and the "
                    "error of the build itself. "
-                   "With --history every visit is kept in a file, and a control chart over the visits of "
-                   "this rig (single values and "
+                   "With --history every visit is kept in a file, and a control chart over the accepted visits of "
+                   "this rig with the same known-good build (single values and "
                    "their moving mean) says when the rig has drifted, long before a limit is passed.\n\nExit "
                    "code 4: the rig is not fit.",
     .positionals = {{.name = "FIRMWARE", .doc = "Known-good firmware image.", .names = Names::input}},

@@ -27,6 +27,7 @@ namespace {
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr double kPeriod_s = 0.01;       // between two looks at the drive
+constexpr double kKept_s = 0.5;           // of readings, beyond the time that is known to be needed
 constexpr double kUsableTravel = 0.95;    // the rest is for control
 constexpr double kStartTolerance_rad = 0.02;
 constexpr double kTravelTolerance_rad = 1e-3;
@@ -191,8 +192,10 @@ class BenchRig final : public Rig, public Dut {
     row_clock_.begin(info_.rate_Hz, 2.0);
     pending_.clear();
     outputs_.clear();
-    forces_.clear();
-    angles_.begin(t0_s_, theta_rad_);
+    // a row is asked for as late as the board may be silent, and looked at again until kRefineBack others have come
+    const double keep_s = bench_.limits.board_stale_s + bench_.limits.reference_stale_s + kKept_s + static_cast<double>(kRefineBack) / info_.rate_Hz;
+    forces_.begin(keep_s);
+    angles_.begin(t0_s_, theta_rad_, keep_s);
     last_code_ = 0;
     force_N_ = std::numeric_limits<double>::quiet_NaN();
     offset_s_ = t0_s_ + 1.0 / info_.rate_Hz;

@@ -10,14 +10,22 @@ namespace forcegate {
 
 namespace {
 
-constexpr std::size_t kHistory = 256;
 constexpr double kLeastStep_s = 1e-9;
 
 }  // namespace
 
+void PassedForces::begin(double keep_s) {
+  readings_.clear();
+  keep_s_ = keep_s;
+  dropped_ = false;
+}
+
 void PassedForces::take(const std::vector<ReferenceReading>& fresh) {
   readings_.insert(readings_.end(), fresh.begin(), fresh.end());
-  while (readings_.size() > kHistory) readings_.pop_front();
+  while (!readings_.empty() && readings_.front().t_s < readings_.back().t_s - keep_s_) {
+    readings_.pop_front();
+    dropped_ = true;
+  }
 }
 
 ForceAt PassedForces::at(double t_s, double stale_s) const {
@@ -26,6 +34,7 @@ ForceAt PassedForces::at(double t_s, double stale_s) const {
   const ReferenceReading* after = behind == readings_.end() ? nullptr : &*behind;
   if (before != nullptr && t_s - before->t_s > stale_s) before = nullptr;
   if (after != nullptr && after->t_s - t_s > stale_s) after = nullptr;
+  if (dropped_ && behind == readings_.begin()) after = nullptr;
   const ReferenceReading* only = before != nullptr ? before : after;
   if (only == nullptr) return {std::numeric_limits<float>::quiet_NaN(), kRigReferenceFault, false};
   if (before == nullptr || after == nullptr) return {only->force_N, only->status, after != nullptr};
@@ -36,7 +45,7 @@ ForceAt PassedForces::at(double t_s, double stale_s) const {
 
 void PassedAngles::take(double t_s, double theta_rad) {
   angles_.emplace_back(t_s, theta_rad);
-  while (angles_.size() > kHistory) angles_.pop_front();
+  while (angles_.front().first < t_s - keep_s_) angles_.pop_front();
 }
 
 double PassedAngles::at(double t_s) const {

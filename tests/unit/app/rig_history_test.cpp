@@ -101,6 +101,47 @@ TEST(RigHistory, keeps_every_visit_and_charts_only_those_of_the_same_rig) {
   std::filesystem::remove(path);
 }
 
+class ChartedVisits : public ::testing::Test {
+ protected:
+  void visit(double value, const std::string& decision = "ACCEPT", const std::string& build = "abc") {
+    history_.push_back({"2026-11-21T08:00:00Z", "bench", build, decision, {{"noise", value}}});
+  }
+  ControlChart chart() const { return control_charts(history_).at(0); }
+  std::vector<RigVisit> history_;
+};
+
+TEST_F(ChartedVisits, a_visit_that_gave_no_decision_is_judged_and_judges_no_other) {
+  const std::vector<double> x = steady(25);
+  for (std::size_t i = 0; i < 10; ++i) visit(x[i]);
+  visit(0.5, "NO-DECISION");
+  EXPECT_FALSE(chart().in_control);
+  for (std::size_t i = 10; i < x.size(); ++i) {
+    visit(x[i]);
+    const ControlChart without = control_chart("noise", {x.begin(), x.begin() + static_cast<std::ptrdiff_t>(i) + 1}, 1e-6);
+    EXPECT_EQ(chart().text, without.text) << "visit " << i;
+    EXPECT_EQ(chart().ewma, without.ewma);
+  }
+}
+
+TEST_F(ChartedVisits, one_before_the_baseline_is_no_part_of_it) {
+  const std::vector<double> x = steady(12);
+  visit(0.5, "REJECT");
+  for (const double value : x) visit(value);
+  EXPECT_NEAR(chart().centre, 0.010, 0.001);
+  visit(0.030);
+  EXPECT_FALSE(chart().in_control);
+}
+
+TEST_F(ChartedVisits, another_build_begins_a_chart_of_its_own) {
+  for (const double value : steady(12)) visit(value);
+  visit(0.5, "ACCEPT", "def");
+  EXPECT_TRUE(chart().in_control) << "what changed is the build: " << chart().text;
+  EXPECT_FALSE(chart().enough);
+  visit(0.010);
+  EXPECT_TRUE(chart().in_control) << chart().text;
+  EXPECT_EQ(charted_visits(history_).size(), 13U);
+}
+
 TEST(GaugeShare, a_rig_that_scatters_by_a_tenth_of_the_limit_is_at_the_edge) {
   EXPECT_NEAR(gauge_share_pct(0.45, 4.5), kGaugeRefused_pct, 1e-9);
   EXPECT_GT(gauge_share_pct(1.0, 4.5), kGaugeRefused_pct);

@@ -48,6 +48,10 @@ TEST(BenchFile, EveryMistakeNamesItsLineAndHelps) {
       {{{"addr = 0x0200", "addr = 0xFFFF"}}, "last address"},
       {{{"fault = { reg = \"status\", mask = 0x80, equals = 0x80 }", "fault = { reg = \"status\" }"}},
        "either"},
+      {{{"mask = 0x80, equals = 0x80", "mask = 0x08, equals = 0x80"}}, "'fault' never holds: 0x80 has bits outside of 0x8"},
+      {{{"mask = 0x80, equals = 0x80", "mask = 0x08, not_equals = 0x80"}}, "'fault' always holds"},
+      {{{"mask = 0x80, equals = 0x80", "equals = 0x10080"}}, "outside of 0xffff"},
+      {{{"mask = 0x80, equals = 0x80", "mask = 0x800000, equals = 0"}}, "no bit of register 'status'"},
       {{{"form = \"binary\"", "form = \"hex\""}}, "hex"},
   };
   for (const Case& c : cases) {
@@ -56,6 +60,27 @@ TEST(BenchFile, EveryMistakeNamesItsLineAndHelps) {
     EXPECT_NE((e.text + e.hint).find(c.text), std::string::npos) << e.to_text();
     EXPECT_NE(e.where.find(".toml:"), std::string::npos) << e.to_text();
   }
+}
+
+TEST(BenchFile, InputRegistersHaveAddressesOfTheirOwnUnlessTheyAreWritten) {
+  // the scratch register at 0x0106 and an input register at the same number
+  const std::string more = "scratch = { addr = 0x0106 }";
+  const auto good = read_bench_text(bench_text("twin.toml", {{more, more + "\ntemperature = { addr = 0x0106, read_fc = 4 }"}}), "t.toml");
+  ASSERT_TRUE(good);
+  EXPECT_TRUE(check_devices(*good)) << check_devices(*good).error().to_text();
+  EXPECT_NE(mistake({{more, more + "\ntemperature = { addr = 0x0106, read_fc = 4 }\nhumidity = { addr = 0x0106, read_fc = 4 }"}}).text.find("overlap"),
+            std::string::npos);
+  EXPECT_NE(mistake({{more, more + "\nbrake = { addr = 0x0106, read_fc = 4 }"},
+                     {"fault_reset = [{ reg = \"reset\", value = 1 }]", "fault_reset = [{ reg = \"brake\", value = 1 }]"}})
+                .text.find("overlap"),
+            std::string::npos)
+      << "what is written lies among the holding registers";
+}
+
+TEST(BenchFile, AFileInAFolderWithAColonKeepsItsLogBesideIt) {
+  const auto bench = read_bench_text(bench_text("twin.toml") + "\n[specimens]\nlog = \"log.tsv\"\n", "/rigs/2026-11-27T08:30/t.toml");
+  ASSERT_TRUE(bench) << bench.error().to_text();
+  EXPECT_EQ(bench->specimens.log, "/rigs/2026-11-27T08:30/log.tsv");
 }
 
 TEST(BenchFile, ACalibrationOutOfDateIsFound) {

@@ -173,6 +173,39 @@ TEST(ProgramAdapter, OneThatCannotBeStartedIsNamed) {
   EXPECT_NE(opened.error().text.find("/no/such/program"), std::string::npos);
 }
 
+TEST(ProgramAdapter, AnotherInstrumentThanThatOfTheFileIsRefused) {
+  WallWorld world;
+  const auto board = make_device<BoardKind>("board", "other_serial", world);
+  const auto reference = make_device<ReferenceKind>("reference", "other_serial", world);
+  for (const auto& opened : {board->open(), reference->open()}) {
+    ASSERT_FALSE(opened);
+    EXPECT_EQ(opened.error().code, ErrorCode::device);
+    EXPECT_NE(opened.error().text.find("has serial number X, the bench file says "), std::string::npos) << opened.error().to_text();
+  }
+  const auto silent = make_device<BoardKind>("board", "none", world)->open();
+  ASSERT_TRUE(silent) << silent.error().to_text();
+  EXPECT_EQ(silent->serial, "B");
+  EXPECT_TRUE(silent->by_file) << "a board that cannot tell";
+}
+
+TEST(ProgramAdapter, RunsInTheFolderOfABenchFileWhoseNameHasAColon) {
+  auto folder = PrivateFolder::make();
+  ASSERT_TRUE(folder);
+  const auto home = folder->path() / "at 08:30";
+  std::filesystem::create_directories(home);
+  WallWorld world;
+  std::string text = table_text("board", "in_folder");
+  for (const auto& [from, to] : test::Changes{{"folder = \"/tmp\"\n", ""}, {"serial = \"B\"", "serial = \"at 08:30\""}})
+    text.replace(text.find(from), from.size(), to);
+  auto table = parse_config(text, (home / "bench.toml").string());
+  ASSERT_TRUE(table);
+  auto board = Registry<BoardKind>::instance().find("process")->make(*table, world);
+  ASSERT_TRUE(board) << board.error().to_text();
+  const auto opened = (*board)->open();
+  ASSERT_TRUE(opened) << opened.error().to_text();
+  EXPECT_FALSE(opened->by_file) << "it told the folder that it runs in";
+}
+
 TEST(ProgramMessages, RequestsAreOneLineAndTablesBecomeObjects) {
   const auto table = parse_config("a = 1\nb = \"x\\ny\"\nc = [1.5, true]\n", "t");
   ASSERT_TRUE(table);

@@ -1,6 +1,7 @@
 #include "hil/app/play/worker.h"
 
 #include <gtest/gtest.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -12,6 +13,7 @@
 #include "hil/gate/case_json.h"
 #include "hil/gate/decision.h"
 #include "hil/gate/judge.h"
+#include "hil/interface/comparator.h"
 #include "hil/interface/firmware_guard.h"
 #include "hil/interface/reporter.h"
 #include "tests/support/fake_dut.h"
@@ -27,7 +29,9 @@ class EvilDut : public testing::FakeDut {
  public:
   Result<DutInfo> open(const DutSession& session) override {
     how_ = session.image.filename().string();
-    return FakeDut::open(session);
+    FORCEGATE_TRY(DutInfo info, FakeDut::open(session));
+    if (how_ == "known_twice") info.algorithm_id = "twice/1";
+    return info;
   }
   Result<void> process(std::uint32_t first_index, std::span<const std::uint16_t> adc,
                        std::span<float> force_N, std::span<std::uint8_t> flags) override {
@@ -61,6 +65,23 @@ const Registration<RigKind> kRig{
      }}};
 const Registration<ReporterKind> kReporter{
     {"json", "result.json", "for tests", [](const RunResult&) { return std::string("{}"); }}};
+
+/// Says who it is and compares nothing.
+class Named final : public Comparator {
+ public:
+  explicit Named(std::string name) : name_(std::move(name)) {}
+  Result<void> begin(const ComparatorSession&) override { return {}; }
+  void push(std::span<const std::uint16_t>, std::span<const float>, std::span<const std::uint8_t>) override {}
+  Comparison finish() override { return {.limit = 1.0, .evidence = name_}; }
+
+ private:
+  std::string name_;
+};
+ComparatorKind named(const std::string& name) {
+  return {name, "for tests", [](std::string_view id) { return id == "twice/1"; },
+          [name] { return std::unique_ptr<Comparator>(std::make_unique<Named>(name)); }};
+}
+const Registration<ComparatorKind> kSecond{named("second")}, kFirst{named("first")};
 
 CaseJob job(const std::string& how) {
   CaseJob j;
@@ -184,6 +205,17 @@ TEST(Worker, makes_a_record_from_a_job_in_text_form) {
   EXPECT_FALSE(execute_job_text("not a job"));
 }
 
+TEST(Worker, compares_with_the_first_that_knows_the_algorithm_as_a_later_check_does) {
+  CaseJob twice = job("known_twice");
+  twice.planned.checks |= kCheckConformance;
+  const CaseRecord record = execute_job(twice);
+  ASSERT_FALSE(record.failure) << record.failure->error.to_text();
+  EXPECT_EQ(record.conformance_evidence, "first");
+  ASSERT_NE(comparator_of("twice/1"), nullptr);
+  EXPECT_EQ(comparator_of("twice/1")->name, "first");
+  EXPECT_EQ(comparator_of("unknown/1"), nullptr);
+}
+
 TEST(Worker, stops_when_it_is_told_to) {
   std::atomic<bool> cancelled{true};
   WorkerOptions options;
@@ -301,6 +333,21 @@ TEST(RunFolder, two_runs_never_fill_one_name_and_whoever_comes_too_late_keeps_it
   const fs::path kept = f.root / ("run.run-" + std::to_string(getpid()));
   EXPECT_TRUE(fs::exists(kept / "result.json"));
   EXPECT_NE(lost.error().hint.find(kept.string()), std::string::npos) << lost.error().hint;
+}
+
+TEST(RunFolder, of_a_run_of_another_user_is_not_taken_for_a_dead_one) {
+  Folder f;
+  fs::permissions(f.root, fs::perms::all);
+  fs::create_directories(f.root / "run.part-1");  // the first process lives, and is root's
+  const pid_t child = fork();
+  if (child == 0) {
+    if (geteuid() == 0 && setuid(65534) != 0) _exit(2);
+    _exit(RunFolder::open(f.root / "run") ? 1 : 0);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_EQ(WEXITSTATUS(status), 0) << "1: it was taken";
+  EXPECT_TRUE(fs::exists(f.root / "run.part-1"));
 }
 
 TEST(RunFolder, clears_what_a_killed_run_left_and_keeps_what_is_not_ours) {
