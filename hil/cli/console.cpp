@@ -117,6 +117,7 @@ void Console::print_json(std::string_view document) {
   if (!options_.json) return;
   const std::lock_guard lock(bar_->mutex);
   clear_bar();
+  json_is_told();
   std::fwrite(document.data(), 1, document.size(), out_);
   if (document.empty() || document.back() != '\n') std::fputc('\n', out_);
 }

@@ -88,6 +88,12 @@ const std::vector<int>& exit_codes() {
   return kCodes;
 }
 
+std::vector<int> exit_codes_of(const Command& command) {
+  std::vector<int> codes = command.exit_codes;
+  if (std::ranges::find(codes, int{kExitInterrupted}) == codes.end()) codes.push_back(kExitInterrupted);
+  return codes;
+}
+
 std::string exit_code_text(int code) {
   switch (code) {
     case kExitSuccess: return "ACCEPT, or the verb did what it was asked.";
@@ -152,7 +158,7 @@ std::string command_text(const Command& command, const Console& console) {
     out += "\n" + console.paint(Paint::strong, "Examples:") + "\n";
     for (const Example& e : command.examples) out += wrapped(e.doc, 2) + "    " + e.command + "\n";
   }
-  out += "\n" + console.paint(Paint::strong, "Exit codes:") + "\n" + exit_code_block(command.exit_codes);
+  out += "\n" + console.paint(Paint::strong, "Exit codes:") + "\n" + exit_code_block(exit_codes_of(command));
   return out;
 }
 

@@ -29,6 +29,8 @@ std::string exit_code_text(int code);
 
 /// All documented exit codes, ascending.
 const std::vector<int>& exit_codes();
+/// Those of the row, and 130: Ctrl-C ends every verb.
+std::vector<int> exit_codes_of(const Command& command);
 
 /// `text` in lines of at most `width` columns, every line after `indent` spaces; "\n" stays a line end.
 std::string wrapped(const std::string& text, std::size_t indent, std::size_t width = 100);

@@ -60,7 +60,7 @@ std::string command_json(const Command& command) {
               {"options", options_json(command.options)},
               {"options_of_every_verb", options_json(global_options())},
               {"examples", examples},
-              {"exit_codes", exit_codes_json(command.exit_codes)}};
+              {"exit_codes", exit_codes_json(exit_codes_of(command))}};
   if (command.details) out["details"] = command.details();
   return out.dump(2) + "\n";
 }

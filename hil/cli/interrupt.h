@@ -14,4 +14,11 @@ extern std::atomic<bool> g_bar_on_terminal;
 /// After this call the first SIGINT or SIGTERM sets the flag, the second ends the program.
 const std::atomic<bool>& catch_interrupt();
 
+/// Who is ended by the first of them is told so, as the error of any other end: for `json` by one object on stdout. Only this process: a
+/// child gets the same Ctrl-C.
+void tell_of_interrupt(bool json);
+
+/// An object stands on stdout already.
+void json_is_told();
+
 }  // namespace forcegate

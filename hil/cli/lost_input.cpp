@@ -39,10 +39,22 @@ bool is_same(const fs::path& a, const fs::path& b) {
   return fs::weakly_canonical(a, unknown) == fs::weakly_canonical(b, unknown);
 }
 
+constexpr std::array kRecordings = {".csv", ".tsv", ".lvm", ".mat", ".h5", ".hdf5", ".fgj"};
+
+bool is_recording(const fs::path& path) { return std::ranges::find(kRecordings, ascii_lower(path.extension().string())) != kRecordings.end(); }
+
 bool is_data(const fs::path& path) {
-  constexpr std::array kRecordings = {".csv", ".tsv", ".txt", ".lvm", ".mat", ".h5", ".hdf5", ".fgj"};
   const std::string name = path.filename().string();
-  return name == "campaign.json" || name == "result.json" || std::ranges::find(kRecordings, ascii_lower(path.extension().string())) != kRecordings.end();
+  return name == "campaign.json" || name == "bundle.json" || name == "result.json" || ascii_lower(path.extension().string()) == ".txt" || is_recording(path);
+}
+
+// What a gate left: bundle.json lists the result and all that is in the folder bundle.
+bool is_of_bundle(const fs::path& path) {
+  std::error_code unknown;
+  const fs::path folder = fs::absolute(path).parent_path();
+  const std::string name = path.filename().string();
+  return ((name == "bundle.json" || name == "result.json") && fs::exists(folder / "bundle.json", unknown)) ||
+         (folder.filename() == "bundle" && fs::exists(folder.parent_path() / "bundle.json", unknown));
 }
 
 bool is_within(const fs::path& file, const fs::path& folder) {
@@ -77,6 +89,16 @@ std::optional<Error> records_over(const Named& output, const Named& input) {
                "choose another folder for " + output.option};
 }
 
+// A verb that has --force looks after its own outputs.
+std::optional<Error> file_of_others(const Command& command, const Named& output) {
+  if (is_of_bundle(output.path))
+    return Error{ErrorCode::usage, "the output would replace a file of the bundle of a run, which forcegate check could then not judge", output.path.string(), "choose another name for " + output.option};
+  if (std::ranges::any_of(command.options, [](const Option& o) { return o.name == "force"; })) return std::nullopt;
+  if (is_recording(output.path) || output.path.filename() == "campaign.json")
+    return Error{ErrorCode::usage, "the output would replace a recording or its description", output.path.string(), "choose another name for " + output.option + ", or move the file away"};
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<Error> lost_input(const Command& command, const std::vector<std::pair<std::string, std::string>>& values) {
@@ -98,6 +120,8 @@ std::optional<Error> lost_input(const Command& command, const std::vector<std::p
         return Error{ErrorCode::usage, fmt::format("{} and {} write the same file", output.option, other.option), output.path.string(), "give each a name of its own"};
       }
     }
+    if (output.names == Names::file && fs::is_regular_file(status))
+      if (auto error = file_of_others(command, output)) return error;
   }
   return std::nullopt;
 }

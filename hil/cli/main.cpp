@@ -44,6 +44,7 @@ int run(const ParsedLine& line, Console& console, const std::vector<Command>& ta
     console.error(*lost);
     return exit_code_of(lost->code);
   }
+  if (!line.command->hidden) tell_of_interrupt(console.json());
   Invocation invocation(*line.command, console);
   for (const auto& [name, value] : line.values) invocation.set(name, value);
   invocation.set_command_line(line.command_line);

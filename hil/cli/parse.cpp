@@ -208,7 +208,7 @@ class Reader {
   void check_required() {
     for (const Positional& p : line_.command->positionals)
       if (p.required && !given(p.name)) {
-        line_.error = usage_error(fmt::format("{} is missing", p.name), where(), p.doc);
+        line_.error = usage_error(fmt::format("{} is missing", p.name), where(), p.choices && p.list_choices ? "one of: " + join(p.choices(), ", ") : p.doc);
         return;
       }
     for (const Option& o : line_.command->options)

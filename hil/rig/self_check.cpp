@@ -146,7 +146,9 @@ class SelfCheck {
     const bool late = lags && !together;
     const bool reference = late || absurd || !same_calibration_ || (zero_known_ ? !zero_sound_ : steady);
     const bool slope_off = std::fabs(o_.spring_slope - 1.0) > limits_.spring_slope;
-    const char* why = late                 ? ": its reading is late"
+    const bool off = std::fabs(o_.spring_worst_bias_N) > limits_.spring_bias_N;  // nobody is blamed for what passes
+    const char* why = !off                 ? ""
+                      : late                 ? ": its reading is late"
                       : absurd             ? ": no spring is like that"
                       : !same_calibration_ ? ": another calibration is loaded"
                       : zero_known_
@@ -170,14 +172,14 @@ class SelfCheck {
          std::fabs(o_.spring_slope - 1.0), "1", limits_.spring_slope,
          late || absurd || !same_calibration_ ? Blame::reference : Blame::rig,
          fmt::format("the ATI moves {:.3f} N for each newton of the spring{}", o_.spring_slope,
-                     absurd || !same_calibration_
+                     absurd || !same_calibration_ || !slope_off
                          ? ""
                          : ": stiffness of the spring or gain of the ATI, a known mass tells")});
     add({"rig_spring_scatter", "Scatter of ATI about the spring force", o_.spring_rms_N, "N",
          limits_.spring_scatter_N, reference ? Blame::reference : Blame::rig,
          fmt::format(
-             "ATI minus k x(theta) scatters by {:.3f} N: play between shaft and wheel, or a late reading",
-             o_.spring_rms_N)});
+             "ATI minus k x(theta) scatters by {:.3f} N{}", o_.spring_rms_N,
+             o_.spring_rms_N > limits_.spring_scatter_N ? ": play between shaft and wheel, or a late reading" : "")});
   }
 
   void sensor() {

@@ -1,6 +1,7 @@
 #include "hil/trace/column_map.h"
 
 #include <algorithm>
+#include <array>
 
 #include "hil/base/text.h"
 #include "hil/trace/channels.h"
@@ -23,6 +24,17 @@ ColumnMeaning renamed(const Unit& of_header, ColumnMeaning name) {
 bool is_another_quantity(const Unit& of_header, const ColumnMeaning& wanted) {
   return !of_header.quantity.empty() && !wanted.unit.quantity.empty() && of_header.quantity != wanted.unit.quantity &&
          wanted.unit.symbol == wanted.unit.canonical && !wanted.is_clock && of_header.quantity != "code";
+}
+
+// "ADC code", "Lectura_ADC", "raw": a number of a converter by one word of the name.
+bool is_called_code(std::string_view name) {
+  constexpr std::array kWords = {"adc", "code", "codes", "count", "counts", "lsb", "raw", "digits"};
+  const std::string lower = ascii_lower(name);
+  for (std::size_t begin = 0, end = 0; begin < lower.size(); begin = end + 1) {
+    end = std::min(lower.find_first_of(" _-.()[]", begin), lower.size());
+    if (std::ranges::find(kWords, std::string_view(lower).substr(begin, end - begin)) != kWords.end()) return true;
+  }
+  return false;
 }
 
 }  // namespace
@@ -106,6 +118,13 @@ std::string column_map_advice(const Trace& trace, std::string_view name, std::st
   for (const Channel& c : trace.channels)  // a column that is called by its unit
     if (const auto called = find_unit(c.name); c.unit.empty() && called && called->canonical == unit)
       return "--map " + shell_quoted(c.name + "=" + wanted + "_" + c.name);
+  if (wanted == "U")
+    for (const Channel& c : trace.channels) {
+      if (!c.unit.empty() || known_channel(c.name) != nullptr) continue;
+      if (is_called_code(c.name)) return "--map " + shell_quoted(c.name + "=U_counts") + " where it holds codes of a converter";
+      if (c.name.find('/') != std::string::npos)
+        return "--map " + shell_quoted(c.name + "=U_V") + " where it is a ratio: wherever V stands, parts of the supply are meant";
+    }
   return "--map NAME=" + wanted + "_" + std::string(unit);
 }
 

@@ -208,7 +208,7 @@ Result<TraceFile> trace_of_table(CsvTable table, const std::string& where, const
 
   Clock clock;
   if (clock_column < table.columns.size()) {
-    ClockSource source{where, table.columns[clock_column].header, {}, options.assumed_rate_Hz, {}};
+    ClockSource source{where, table.columns[clock_column].header, {}, options.assumed_rate_Hz, table.columns[clock_column].dates, {}};
     source.same_row = [&](std::size_t a, std::size_t b) {
       return std::ranges::all_of(table.columns, [&](const CsvColumn& column) {
         if (&column == &table.columns[clock_column]) return true;  // its stamps are compared

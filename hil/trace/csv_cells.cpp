@@ -95,8 +95,13 @@ void cut_cells(std::string_view line, char separator, std::vector<std::string_vi
   }
 }
 
-std::string header_text(std::string_view cell) {
-  const std::string_view text = unquoted(cell).substr(0, kLongestHeader);
+std::string header_text(std::string_view cell) { return readable(unquoted(cell), kLongestHeader); }
+
+std::string readable(std::string_view text, std::size_t most) {
+  if (text.size() > most) {
+    while (most > 0 && (static_cast<unsigned char>(text[most]) & 0xC0) == 0x80) --most;  // no half of a letter
+    text = text.substr(0, most);
+  }
   std::string shown = printable_utf8(text);
   if (shown.find(kReplaced) == std::string::npos) return shown;
   std::string recoded;
@@ -113,10 +118,18 @@ std::string header_text(std::string_view cell) {
   return recoded.find(kReplaced) == std::string::npos ? recoded : shown;
 }
 
-std::string_view strip_brackets(std::string_view symbol) {
-  if (symbol.size() > 2 && (symbol.front() == '[' || symbol.front() == '(' || symbol.front() == '"'))
-    return symbol.substr(1, symbol.size() - 2);
-  return symbol;
+std::string unit_text(std::string_view cell) {
+  std::string_view symbol = trim(cell);
+  if (symbol.size() > 2 && (symbol.front() == '[' || symbol.front() == '(' || symbol.front() == '"')) symbol = symbol.substr(1, symbol.size() - 2);
+  if (symbol.starts_with("in ")) symbol = trim(symbol.substr(3));
+  return header_text(symbol);
+}
+
+bool is_form_of_stamps(std::string_view symbol) {
+  constexpr std::size_t kLongest = 32;
+  const std::string lower = ascii_lower(symbol);
+  return lower.size() <= kLongest && lower.find("mm") != std::string::npos && lower.find_first_of(":.-/") != std::string::npos &&
+         lower.find_first_not_of("hmsfdytja0: .,-/") == std::string::npos;
 }
 
 }  // namespace forcegate

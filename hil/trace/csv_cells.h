@@ -35,7 +35,13 @@ void cut_cells(std::string_view line, char separator, std::vector<std::string_vi
 /// where that gives letters and signs; else they are replaced.
 std::string header_text(std::string_view cell);
 
-/// "[mN]", "(mN)" and "mN" in quotes as "mN".
-std::string_view strip_brackets(std::string_view symbol);
+/// The first `most` bytes of any text in the same way.
+std::string readable(std::string_view text, std::size_t most);
+
+/// What a cell of a line of units holds: "[mN]", "(mN)", "in mN" and "mN" in quotes as "mN", in UTF-8 as header_text.
+std::string unit_text(std::string_view cell);
+
+/// "hh:mm:ss", "TT.MM.JJJJ hh:mm": how a program tells of its stamps where others have a unit.
+bool is_form_of_stamps(std::string_view symbol);
 
 }  // namespace forcegate

@@ -129,10 +129,10 @@ bool CsvParser::holds_units() const {
   std::size_t units = 0;
   for (const std::string_view cell : cells_) {
     double value;
-    const std::string_view symbol = strip_brackets(trim(cell));
+    const std::string symbol = unit_text(cell);
     if (says_no_unit(symbol)) continue;
     const bool known = find_unit(symbol).has_value();
-    if (!known && (symbol.size() > kLongest || read_cell(cell, '.', value) != CsvCell::text || read_cell(cell, ',', value) != CsvCell::text)) return false;
+    if (!known && !is_form_of_stamps(symbol) && (symbol.size() > kLongest || read_cell(cell, '.', value) != CsvCell::text || read_cell(cell, ',', value) != CsvCell::text)) return false;
     units += known;
   }
   return units > 0;
@@ -151,8 +151,8 @@ Result<bool> CsvParser::row_of_units(std::string_view line) {
   if (cells_.size() != row_.size() || !holds_units()) return false;
   std::vector<std::string> unknown;
   for (std::size_t c = 0; c < cells_.size(); ++c) {
-    const std::string_view symbol = strip_brackets(trim(cells_[c]));
-    if (says_no_unit(symbol)) continue;
+    const std::string symbol = unit_text(cells_[c]);
+    if (says_no_unit(symbol) || is_form_of_stamps(symbol)) continue;
     const bool known = find_unit(symbol).has_value();
     if (known) {
       FORCEGATE_CHECK_OK(add_unit(table_.columns[c].header, symbol, static_cast<std::size_t>(cells_[c].data() - line.data()) + 1));

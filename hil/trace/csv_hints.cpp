@@ -58,8 +58,8 @@ bool is_date_of_slashes(std::string_view cell) {
 }  // namespace
 
 std::string in_quotes(std::string_view text) {
-  const std::string shown = printable_utf8(text.substr(0, 40));
-  return "\"" + shown + (text.size() > 40 ? "...\"" : "\"");
+  constexpr std::size_t kMost = 40;
+  return "\"" + readable(text, kMost) + (text.size() > kMost ? "...\"" : "\"");
 }
 
 std::string hint_for_cell(std::string_view cell, char point) {

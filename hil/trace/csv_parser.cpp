@@ -172,7 +172,7 @@ Result<void> CsvParser::slow_row(std::string_view line, bool cut_short) {
     }
     if (kind == CsvCell::text && table_.columns[c].missing == table_.rows()) {  // nothing stood in it so far
       is_text_[c] = 1;
-      text_[c] = {table_.columns[c].header, printable_utf8(unquoted(cells_[c]).substr(0, 40)), hint_for_cell(cells_[c], point_), line_, position, {}};
+      text_[c] = {table_.columns[c].header, readable(unquoted(cells_[c]), 40), hint_for_cell(cells_[c], point_), line_, position, {}};
       is_day_[c] = table_.rows() == 0;  // a remark may be a date too
       read_day(c, kind);
       continue;

@@ -55,15 +55,15 @@ bool are_units(std::string_view line, char separator, std::size_t columns) {
   cut_cells(line, separator, cells);
   while (cells.size() > columns && trim(cells.back()).empty()) cells.pop_back();  // the last column may have no unit
   return cells.size() == columns && std::ranges::all_of(cells, [](std::string_view cell) {
-           const std::string_view symbol = strip_brackets(trim(cell));
-           return symbol.empty() || symbol == "-" || symbol == "1" || find_unit(symbol);
+           const std::string symbol = unit_text(cell);
+           return symbol.empty() || symbol == "-" || symbol == "1" || find_unit(symbol) || is_form_of_stamps(symbol);
          });
 }
 
 bool holds_two_numbers(std::string_view line, char separator) { return std::ranges::count_if(cells_of(line, separator), is_number) > 1; }
 
 bool holds_unit(const std::vector<std::string_view>& cells) {
-  return std::ranges::any_of(cells, [](std::string_view cell) { return find_unit(strip_brackets(trim(cell))).has_value(); });
+  return std::ranges::any_of(cells, [](std::string_view cell) { return find_unit(unit_text(cell)).has_value(); });
 }
 
 }  // namespace

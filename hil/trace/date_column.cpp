@@ -29,6 +29,18 @@ std::vector<double> with_gaps_filled(std::vector<double> day_s) {
   return day_s;
 }
 
+// A meter that is over its range writes a word where others have a number, from the first row on if nothing loads the sensor.
+bool is_over_range(const TextColumn& column) {
+  constexpr std::array kWords = {"ol", "o.l", "0l", "0.l", "ovld", "over", "overload", "overflow", "ovrng", "ovr"};
+  const std::string word = ascii_lower(column.cell);
+  return std::ranges::any_of(kWords, [&](std::string_view over) { return word == over || word == "-" + std::string(over) || word == "+" + std::string(over); });
+}
+
+std::string left_out_text(const TextColumn& column) {
+  const std::string note = "column \"" + column.header + "\" holds text and was left out";
+  return is_over_range(column) ? note + ": \"" + column.cell + "\" in line " + std::to_string(column.line) + " is a meter over its range" : note;
+}
+
 }  // namespace
 
 void add_dates(std::vector<TextColumn>& text_columns, CsvColumn* clock, const std::vector<std::string>& unused, std::vector<std::string>& notes) {
@@ -50,7 +62,7 @@ void add_dates(std::vector<TextColumn>& text_columns, CsvColumn* clock, const st
       if (column.hint.starts_with(kWhichIsTheMonth)) notes.push_back("column \"" + column.header + "\" is no part of the clock: " + column.hint);
   std::erase_if(text_columns, [&](const TextColumn& column) {
     if (column.header == taken || std::ranges::find(unused, column.header) != unused.end()) return true;
-    notes.push_back("column \"" + column.header + "\" holds text and was left out");
+    notes.push_back(left_out_text(column));
     return false;
   });
 }

@@ -1,8 +1,11 @@
 #include "hil/trace/date_time.h"
 
 #include <charconv>
+#include <cmath>
 #include <cstdint>
 #include <string>
+
+#include "hil/base/utc_clock.h"
 
 namespace forcegate {
 namespace {
@@ -110,6 +113,15 @@ std::optional<double> seconds_of_stamp(std::string_view text) {
     if (is_date(year, month, day) && clock_time(dotted, seconds, true) && dotted.at_end()) return seconds;
   }
   return std::nullopt;
+}
+
+std::string stamp_of_seconds(double seconds) {
+  constexpr double kYear_s = 365.0 * 86400.0;  // a clock of day may have passed midnights
+  const double ms = std::round(seconds * 1e3);
+  const std::string text = utc_text(std::floor(ms / 1e3));
+  const std::string fraction = std::to_string(static_cast<int>(ms - 1e3 * std::floor(ms / 1e3)) + 1000).replace(0, 1, ".");
+  constexpr std::size_t kDate = 11, kTime = 8;
+  return (seconds < kYear_s ? text.substr(kDate, kTime) : text.substr(0, kDate + kTime)) + fraction;
 }
 
 std::optional<double> seconds_of_date(std::string_view text) {

@@ -2,6 +2,7 @@
 // Time stamps as loggers write them.
 
 #include <optional>
+#include <string>
 #include <string_view>
 
 namespace forcegate {
@@ -10,6 +11,9 @@ namespace forcegate {
 /// of "21.11.2026 10:00:00,123"; seconds since midnight of "10:00:00.123" and "9:05:00 PM". Fractions after a point or a comma. Nothing
 /// for any other text: a date with slashes and the year at its end does not say which number is the month.
 std::optional<double> seconds_of_stamp(std::string_view text);
+
+/// The first form, to milliseconds; "10:00:00.123" of seconds since midnight.
+std::string stamp_of_seconds(double seconds);
 
 /// Seconds since 1970-01-01 00:00 of the beginning of "2026-11-21", "2026/11/21", "21.11.2026"; nothing for any other text.
 std::optional<double> seconds_of_date(std::string_view text);

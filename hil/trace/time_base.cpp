@@ -7,6 +7,7 @@
 
 #include "hil/base/quantile.h"
 #include "hil/base/text.h"
+#include "hil/trace/date_time.h"
 #include "hil/trace/packets.h"
 
 namespace forcegate {
@@ -164,6 +165,19 @@ TimeBase invented_clock(std::size_t rows, double rate_Hz) {
   return base;
 }
 
+namespace {
+
+std::string as_written(double t_s, bool dates) { return dates ? stamp_of_seconds(t_s) : shortest(t_s) + " s"; }
+
+std::string hint_for_jump(double back_s, double step_s, bool dates) {
+  constexpr double kHour_s = 3600.0, kNear_s = 5.0;
+  const std::string split = "split the file where a new recording begins";
+  if (!dates || std::fabs(back_s - kHour_s) > std::max(kNear_s, 2.0 * step_s)) return split;
+  return "an hour is what clocks go back at the end of summer time: add it to the stamps from there on, or write all of them with their zone (2026-10-25T02:00:00+01:00); where it is another recording, " + split;
+}
+
+}  // namespace
+
 Result<Clock> make_clock(std::vector<double> stamps_s, const ClockSource& source) {
   Clock clock;
   const std::string& where = source.where;
@@ -197,9 +211,9 @@ Result<Clock> make_clock(std::vector<double> stamps_s, const ClockSource& source
         ++backwards;
         if (latest - t[i] > 10.0 * step)
           return fail(ErrorCode::parse,
-                      "the clock jumps back from " + shortest(latest) + " s to " + shortest(t[i]) +
-                          (has_lines ? " s in line " : " s in row ") + std::to_string(line_of_row(rows[i])),
-                      has_lines ? where + ":" + std::to_string(line_of_row(rows[i])) : where, "split the file where a new recording begins");
+                      "the clock jumps back from " + as_written(latest, source.dates) + " to " + as_written(t[i], source.dates) +
+                          (has_lines ? " in line " : " in row ") + std::to_string(line_of_row(rows[i])),
+                      has_lines ? where + ":" + std::to_string(line_of_row(rows[i])) : where, hint_for_jump(latest - t[i], step, source.dates));
       }
       latest = std::max(latest, t[i]);
     }

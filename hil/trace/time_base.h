@@ -29,6 +29,7 @@ struct ClockSource {
   std::string column;  ///< as its header writes it
   LineOfRow line_of_row;  ///< none: the table comes from no text, and rows are counted
   double declared_rate_Hz = 0.0;  ///< 0 = not said
+  bool dates = false;  ///< its cells are stamps such as 2024-05-31T10:31:07, which errors then write
   SameRow same_row;  ///< none: nothing is known of the other columns
 };
 

@@ -311,6 +311,22 @@ TEST_F(Bench, AKilledRecordingIsRecoveredFromItsJournal) {
   FAIL() << "no kill has hit a recording";
 }
 
+TEST_F(Bench, TwoHostsOfTwinsDoNotShareAFolderAndNothingStaysBehind) {
+  const ProcessResult r = run_process(
+      {"bash", "-c", R"sh(set -m; "$0" bench serve rigs/twin.toml --folder "$1" > "$1.out" & first=$!
+for i in $(seq 100); do grep -q next: "$1.out" && break; sleep 0.1; done
+ls "$1" | sort > "$1.before"; readlink "$1/ati0" > "$1.link"
+"$0" bench serve rigs/twin.toml --folder "$1"; echo "second $?"
+readlink "$1/ati0" | cmp - "$1.link" && echo "link kept"
+"$0" bench doctor rigs/twin.toml --attach "$1" > /dev/null; echo "doctor $?"
+kill -TERM $first; wait $first; echo "left $(ls "$1" | wc -l) of $(wc -l < "$1.before")"; echo "process $first")sh",
+       FORCEGATE_BINARY_DIR "/forcegate", folder / "twins"},
+      kHere);
+  for (const char* part : {"second 2\n", "link kept\n", "doctor 0\n", "left 0 of "}) EXPECT_THAT(r.out, HasSubstr(part)) << r.err;
+  EXPECT_THAT(r.out, ::testing::Not(HasSubstr("left 0 of 0")));
+  EXPECT_THAT(r.err, HasSubstr("twins are served in this folder already, by process " + r.out.substr(r.out.rfind(' ') + 1, r.out.size() - r.out.rfind(' ') - 2)));
+}
+
 TEST_F(Bench, NobodyHoldsABenchThatNobodyUses) {
   const ProcessResult r = forcegate({"bench", "who", "rigs/twin.toml"}, kHere);
   EXPECT_EQ(r.exit_code, 0) << r.err;

@@ -53,6 +53,17 @@ TEST(Characterize, RejectsWhenALimitIsBrokenAndNamesTheWorstSpecimen) {
   EXPECT_THAT(r.out, HasSubstr("4 of 4 sessions outside"));
 }
 
+TEST(Characterize, ASpecimenThatIsNotThereIsToldBeforeAnythingIsPlayed) {
+  const TemporaryFolder temporary;
+  const fs::path& folder = temporary.path();
+  std::string plan = plan_with("250.0");
+  write_text(folder / "plan.toml", plan.replace(plan.find("sessions = 2"), 12, "sessions = 900"));
+  const ProcessResult r = forcegate({"characterize", "--plan", (folder / "plan.toml").string(), "--specimen", "q50", "--specimen", "q50x", "-o", (folder / "out").string()},
+                                    {.timeout = std::chrono::seconds(20)});
+  EXPECT_EQ(r.exit_code, 2) << r.out;
+  EXPECT_THAT(r.err, HasSubstr("no specimen 'q50x'"));
+}
+
 TEST(Characterize, ReadsTheDecayOutOfARecording) {
   const TemporaryFolder temporary;
   const fs::path& folder = temporary.path();

@@ -92,8 +92,25 @@ TEST(CommandLine, ExplainsEveryMeaningOfAWord) {
   EXPECT_THAT(r.out, HasSubstr("none (who must act)"));
 }
 
+// Verbs that hold nothing are ended at once, and say so.
+TEST(CommandLine, CtrlCIsTold) {
+  TemporaryFolder folder;
+  ASSERT_EQ(run_process({"mkfifo", folder / "pipe.csv"}).exit_code, 0);  // nobody writes into it
+  for (const char* verb : {"diagnose", "compare"}) {
+    const ProcessOptions interrupted{.folder = folder.path(), .signal_after = std::chrono::milliseconds(500), .signal = 2};
+    const ProcessResult text = forcegate({verb, "pipe.csv"}, interrupted);
+    EXPECT_EQ(text.exit_code, 130);
+    EXPECT_EQ(text.err, "error: interrupted\n");
+    const ProcessResult json = forcegate({verb, "pipe.csv", "--json"}, interrupted);
+    EXPECT_EQ(json.exit_code, 130);
+    EXPECT_THAT(json.out, ::testing::AllOf(::testing::StartsWith("{\n  \"error\": {\n    \"code\": \"cancelled\""), ::testing::EndsWith("}\n")));
+    EXPECT_THAT(forcegate({verb, "--help"}).out, HasSubstr("130 "));
+  }
+}
+
 TEST(CommandLine, MissingAndSuperfluousArgumentsAreNamed) {
   EXPECT_THAT(forcegate({"convert", "a.csv"}).err, HasSubstr("TO is missing"));
+  EXPECT_THAT(forcegate({"bench"}).err, HasSubstr("help: one of: list, doctor, scan, serve, park, jog, who, specimens"));
   EXPECT_THAT(forcegate({"version", "now"}).err, HasSubstr("unexpected argument \"now\""));
   EXPECT_THAT(forcegate({"stimulus", "sine", "--csv"}).err, HasSubstr("--csv wants a value FILE"));
   EXPECT_THAT(forcegate({"version", "--json=1"}).err, HasSubstr("--json takes no value"));

@@ -282,5 +282,18 @@ TEST(ExportCheck, AHeaderThatMakesTheErrorLargerIsNoSuccess) {
   EXPECT_EQ(next_of(r), "forcegate explain \"no gain\"") << "a diagnosis that finds nothing missing would lead back to export";
 }
 
+TEST(LastLines, ARecordingThatIsTooShortForADiagnosisIsNotSentToOne) {
+  for (const int rows : {30, 400}) {
+    TemporaryFolder folder;
+    std::string csv = "t_s,F_ref_N,U_V\n";
+    for (int i = 0; i < rows; ++i) csv += std::to_string(i) + "," + std::to_string(1.0 + 0.1 * (i % 7)) + "," + std::to_string(2.0 + 0.2 * (i % 7)) + "\n";
+    write_text(folder / "a.csv", csv);
+    const ProcessResult r = pasted("forcegate compare a.csv", folder);
+    EXPECT_EQ(r.exit_code, 0) << r.err;
+    EXPECT_EQ(next_of(r), rows < 200 ? "forcegate record --help" : "forcegate diagnose a.csv");
+    EXPECT_EQ(pasted(next_of(r), folder).exit_code, 0) << rows;
+  }
+}
+
 }  // namespace
 }  // namespace forcegate::test

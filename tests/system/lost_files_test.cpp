@@ -61,6 +61,45 @@ TEST(LostFiles, NoVerbWritesOverWhatItReads) {
   }
 }
 
+TEST(LostFiles, WhatAnotherCommandWroteIsReplacedWithForceAlone) {
+  TemporaryFolder folder;
+  const ProcessOptions here{.folder = folder.path()};
+  const std::vector<std::string> profile{"stimulus", "sine", "f_Hz=0.5", "A_N=1", "m_N=2", "--csv", "s.csv"}, header{"export", "flexiforce", "--plan", "none", "--c", "comp.h"};
+  for (const auto& [line, file] : {std::pair{profile, "s.csv"}, std::pair{header, "comp.h"}}) {
+    write_text(folder / file, "t_s,F_ref_N,U_V\n0,1,2\n");
+    const ProcessResult refused = forcegate(line, here);
+    EXPECT_EQ(refused.exit_code, 2) << file;
+    EXPECT_THAT(refused.err, HasSubstr("add --force to replace it"));
+    EXPECT_EQ(read_text(folder / file), "t_s,F_ref_N,U_V\n0,1,2\n");
+    std::vector<std::string> forced = line;
+    forced.push_back("--force");
+    EXPECT_EQ(forcegate(forced, here).exit_code, 0) << file;
+    EXPECT_EQ(forcegate(line, here).exit_code, 0) << "it is its own file now: " << file;
+  }
+}
+
+TEST(LostFiles, LimitsInForceAreReplacedByBlessAlone) {
+  TemporaryFolder folder;
+  std::filesystem::create_directories(folder / "ci/plans");
+  std::filesystem::create_directories(folder / "golden/limits");
+  write_text(folder / "ci/plans/smoke.toml", read_text(FORCEGATE_SOURCE_DIR "/ci/plans/smoke.toml"));
+  const std::string limits = read_text(FORCEGATE_SOURCE_DIR "/golden/limits/smoke.toml");
+  const std::string good = FORCEGATE_BINARY_DIR "/firmware/reference.native.so";
+  for (const char* file : {"smoke", "other"}) {  // the file of the plan, and one beside what bless writes
+    const std::string path = "golden/limits/" + std::string(file) + ".toml";
+    write_text(folder / path, limits);
+    for (const std::vector<std::string>& words : {std::vector<std::string>{"limits", good, "--count", "10"}, {"bench", "repeatability", good, "--plan", "smoke", "--count", "5"}}) {
+      std::vector<std::string> line = words;
+      line.insert(line.end(), {"-o", path});
+      const ProcessResult r = forcegate(line, {.folder = folder.path()});
+      EXPECT_EQ(r.exit_code, 2) << r.out;
+      EXPECT_THAT(r.err, HasSubstr("forcegate bless new.toml --reason"));
+      EXPECT_EQ(read_text(folder / path), limits);
+    }
+    write_text(folder / "golden/limits/CHANGES.md", "");
+  }
+}
+
 // The limit on the size of a file stands for the full disk.
 TEST(LostFiles, AMysteryThatTheDiskCutsOffLeavesNoShortRecording) {
   TemporaryFolder folder;

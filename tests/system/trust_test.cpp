@@ -138,6 +138,19 @@ TEST_F(Trust, diff_shows_what_a_gain_error_does_with_uncertainty) {
   EXPECT_TRUE(seen) << r.out;
 }
 
+TEST_F(Trust, diff_refuses_a_result_that_was_edited) {
+  const std::string a = gated(kGood, "a"), b = gated(kGain, "b");
+  std::string text = read_text(b + "/result.json");
+  const std::size_t at = text.find("REJECT");
+  ASSERT_NE(at, std::string::npos);
+  write_text(b + "/result.json", text.replace(at, 6, "ACCEPT"));
+  for (const std::vector<std::string>& line : {std::vector<std::string>{"diff", a, b}, {"diff", b, a}, {"diff", a, b + "/result.json"}}) {
+    const ProcessResult r = run(line);
+    EXPECT_EQ(r.exit_code, 2) << r.out;
+    EXPECT_THAT(r.err, HasSubstr("the result was changed after the run"));
+  }
+}
+
 TEST_F(Trust, diff_shows_a_build_that_crashed) {
   const std::string a = gated(kGood, "a"), b = gated(kCrash, "b");
   const ProcessResult r = run({"diff", a, b});

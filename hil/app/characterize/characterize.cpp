@@ -118,6 +118,18 @@ Result<void> study_recordings(const CharacterizeRequest& request, characterize::
   return {};
 }
 
+// Before hours of play: the emulated rig is asked for every specimen, which moves nothing.
+Result<void> check_specimens(Rig& rig, const std::vector<std::string>& specimens) {
+  for (const std::string& specimen : specimens) {
+    RigRecordRequest probe;
+    probe.specimen = specimen;
+    probe.duration_s = 1.0;
+    probe.force_high_N = 1.0;
+    if (const auto begun = rig.begin(probe); !begun) return fail(ErrorCode::usage, begun.error().text, begun.error().where, begun.error().hint);
+  }
+  return {};
+}
+
 Result<void> study_rig(const CharacterizeRequest& request,
                        const std::function<void(double, std::string_view)>& progress,
                        characterize::BenchProgress& state, Characterization& out) {
@@ -151,6 +163,7 @@ Result<void> study_rig(const CharacterizeRequest& request,
     study.plan.exemplar.clear();
   } else {
     study.threads = request.threads;
+    FORCEGATE_CHECK_OK(check_specimens(*probe, out.plan.specimens));
   }
   study.compensation = oracle_compensation;
   study.progress = progress;

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -67,6 +69,9 @@ Result<ModelComparison> compare_recordings(const CampaignRequest& request, Campa
   if (out.as_written.empty()) {
     FORCEGATE_TRY(out.as_written, as_written(model, rows.input, request.threads));
   }
+  constexpr std::size_t kFewestOfOne = 200;  // usable rows that prepare() asks of a single recording
+  const auto& records = rows.input.records;
+  out.too_short = records.size() == 1 && static_cast<std::size_t>(std::ranges::count_if(records.front().ok, [](auto ok) { return ok != 0; })) < kFewestOfOne;
   FORCEGATE_TRY(std::unique_ptr<diagnose::Workspace> w, diagnose::prepare(std::move(rows), options));
   FORCEGATE_TRY(out.view, diagnose::compare_workspace(*w, options));
   if (pictures) out.pictures = record_pictures(*w, model);

@@ -14,6 +14,7 @@ struct ModelComparison {
   };
   std::vector<AsWritten> as_written;
   RecordPictures pictures;
+  bool too_short = false;  ///< one recording, of which no diagnosis can be made
 };
 
 /// `pictures`: those beside the view too.

@@ -81,6 +81,18 @@ Result<Campaign> load_campaign(const CampaignRequest& request) {
   return campaign;
 }
 
+namespace {
+
+// Columns of text stand in no trace; the notes of the record tell of them.
+std::string left_out_columns(const Campaign& campaign, const Record& record) {
+  std::string out;
+  for (const std::string& note : campaign.notes)
+    if (note.starts_with(record.name + ": column ") && note.find(" holds text and was left out") != std::string::npos) out += "; " + note.substr(record.name.size() + 2);
+  return out;
+}
+
+}  // namespace
+
 Result<void> check_channels(const Campaign& campaign) {
   for (const Record& record : campaign.records)
     for (const auto& [name, what, unit] :
@@ -88,6 +100,7 @@ Result<void> check_channels(const Campaign& campaign) {
       if (record.trace.find(name)) continue;
       std::vector<std::string> columns;
       std::string in_grams;
+      const std::string of_text = left_out_columns(campaign, record);
       for (const Channel& c : record.trace.channels) {
         columns.push_back(!c.unit.empty() && c.name.ends_with("_" + c.unit) ? c.name : header_of(c.name, c.unit));
         // a weight in grams: "g" may also be an acceleration, and is no unit here
@@ -95,9 +108,10 @@ Result<void> check_channels(const Campaign& campaign) {
           in_grams = c.name;
       }
       return fail(ErrorCode::parse,
-                  std::string("no column is the ") + what + ": there are " + join(columns, ", "),
+                  std::string("no column is the ") + what + ": there are " + join(columns, ", ") + of_text,
                   record.place_of_header(),
-                  in_grams.empty() ? "name one, for instance " + column_map_advice(record.trace, name, unit) +
+                  of_text.find(" is a meter over its range") != std::string::npos ? "empty the cells where the meter is over its range: they are missing values, or a conductance of 0"
+                  : in_grams.empty() ? "name one, for instance " + column_map_advice(record.trace, name, unit) +
                                          (std::string_view(name) == "F_ref" && record.trace.find("U") != nullptr ? "; of an output alone forcegate diagnose tells the drift" : "")
                                    : "if " + in_grams + " is a weight in grams: --map " + shell_quoted(in_grams + "=F_ref_gf"));
     }
@@ -105,12 +119,19 @@ Result<void> check_channels(const Campaign& campaign) {
 }
 
 PlacesOf::PlacesOf(const Campaign& campaign, const std::filesystem::path& given) {
-  for (const Record& record : campaign.records) file_[record.name] = record.place();
+  constexpr std::string_view kDays = "if it counts days";
+  for (const Record& record : campaign.records) {
+    file_[record.name] = record.place();
+    for (const std::string& note : campaign.notes)
+      if (const std::size_t at = note.find(kDays); at != std::string::npos && note.starts_with(record.name + ": the clock ")) days_[record.place()] = note.substr(at);
+  }
   file_.try_emplace(campaign.name, given.string());
 }
 
 Error PlacesOf::with_file(Error error) const {
   if (const auto file = file_.find(error.where); file != file_.end()) error.where = file->second;
+  // days read as seconds are samples beyond any rate, and always too few
+  if (const auto days = days_.find(error.where); days != days_.end() && error.text.starts_with("the record has only ")) error.hint = "its clock was taken for seconds; " + days->second + "; of seconds " + error.hint;
   return error;
 }
 

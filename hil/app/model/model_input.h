@@ -40,6 +40,7 @@ class PlacesOf {
 
  private:
   std::map<std::string, std::string> file_;  ///< by name
+  std::map<std::string, std::string> days_;  ///< by file: how a clock is read as days that may count them
 };
 diagnose::EngineOptions engine_options(const Model& model, unsigned threads);
 

@@ -181,6 +181,18 @@ std::string made_limits_json(const MadeLimits& made) {
   return out.dump(2);
 }
 
+Result<void> check_limits_output(const std::filesystem::path& output, const std::string& plan) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(output, ignored)) return {};
+  bool in_force = std::filesystem::exists(output.parent_path() / "CHANGES.md", ignored);
+  if (const auto path = find_plan(plan); !in_force && path)
+    if (const auto read = read_plan(*path); read && !read->limits.derived.empty())
+      in_force = std::filesystem::equivalent(output, path->parent_path() / read->limits.derived, ignored);
+  if (!in_force) return {};
+  return fail(ErrorCode::usage, "these limits are in force, and change only with a reason", output.string(),
+              "write others beside (-o new.toml) and put them in force: forcegate bless new.toml --reason \"...\" --who NAME");
+}
+
 bool takes_derived_limits(const std::string& name) {
   const auto path = find_plan(name);
   if (!path) return false;

@@ -36,6 +36,10 @@ std::string made_limits_text(const MadeLimits& made);
 /// The same for programs.
 std::string made_limits_json(const MadeLimits& made);
 
+/// Asked before the work: a file that stands in force changes only with a reason. Errors: usage, where `output` exists and is the limits
+/// file of `plan`, or lies beside the CHANGES.md that `forcegate bless` keeps.
+Result<void> check_limits_output(const std::filesystem::path& output, const std::string& plan);
+
 /// Whether a plan of that name names a file of derived limits, which `forcegate bless` writes.
 bool takes_derived_limits(const std::string& plan);
 

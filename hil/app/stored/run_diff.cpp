@@ -7,6 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "hil/app/gate/bundle.h"
 #include "hil/base/json_number.h"
 #include "hil/base/text.h"
 #include "hil/gate/statistics.h"
@@ -17,7 +18,9 @@ namespace {
 
 Result<RunResult> read_run(const std::filesystem::path& path) {
   std::error_code ignored;
-  return read_result(std::filesystem::is_directory(path, ignored) ? path / "result.json" : path);
+  const bool folder = std::filesystem::is_directory(path, ignored);
+  FORCEGATE_CHECK_OK(check_result_unchanged(folder ? path : path.parent_path()));
+  return read_result(folder ? path / "result.json" : path);
 }
 
 std::vector<std::string> named(std::vector<std::string> cases) {

@@ -1,5 +1,6 @@
 #include "hil/app/bench/rig_check.h"
 #include "hil/app/files/write_file.h"
+#include "hil/app/power/limits.h"
 #include "hil/base/utc_clock.h"
 #include "hil/cli/command.h"
 #include "hil/cli/verbs/limits_line.h"
@@ -21,6 +22,7 @@ Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const std::int64_t n, in.integer("count", 5, 10000));
   request.n = static_cast<std::size_t>(n);
   request.date = utc_today();
+  if (in.given("output")) FORCEGATE_CHECK_OK(check_limits_output(in.text("output"), request.gate.plan));
   const auto answer = repeatability(request, in.console().progress_callback(), &in.interrupt_flag());
   in.console().end_progress();
   if (!answer) return Unexpected(answer.error());

@@ -20,7 +20,7 @@ Result<int> run(const Invocation& in) {
   in.console().print(comparison_text(answer));
   in.console().notes(answer.view.notes);
   in.console().print_json(comparison_json(answer));
-  in.console().next("forcegate diagnose " + campaign_words(in, in.text("CAMPAIGN")) + model_words(in));
+  in.console().next(answer.too_short ? "forcegate record --help" : "forcegate diagnose " + campaign_words(in, in.text("CAMPAIGN")) + model_words(in));
   return kExitSuccess;
 }
 

@@ -1,6 +1,7 @@
 #include "hil/app/diagnose/what_next.h"
 #include "hil/app/export/export.h"
 #include "hil/app/files/find_plan.h"
+#include "hil/app/files/own_file.h"
 
 #include <cmath>
 #include <filesystem>
@@ -54,6 +55,10 @@ Result<int> run(const Invocation& in) {
   if (in.given("output") && !in.given("fit"))
     return fail(ErrorCode::usage, "-o names the model file that --fit writes", "-o " + in.text("output"), "the header is --c FILE");
   request.fitted = in.text("output");
+  if (!in.flag("force")) {
+    FORCEGATE_CHECK_OK(check_own_file(in.text("c"), "Made by forcegate export"));
+    FORCEGATE_CHECK_OK(check_own_file(in.text("output"), "format = 1\nname = "));
+  }
   FORCEGATE_TRY(ExportResult answer, export_model(request));
   const std::string no_plan = "there is no plan " + in.text("plan") + " here, whose calibration would be taken back: the firmware must calibrate by the model, as with --plan none";
   if (without_plan) in.console().note(no_plan);
@@ -115,7 +120,8 @@ const Registration<Command> kRow{Command{
          {.name = "map",
           .value_name = "COLUMN=NAME",
           .doc = "Foreign column of the campaign.",
-          .repeatable = true}},
+          .repeatable = true},
+         {.name = "force", .value_name = "", .doc = "Replace a file that this command did not write.", .letter = 'f'}},
     .examples = {{"forcegate export better.toml --fit m7 --c comp.h --check m7",
                   "Refit it, write it, build it, replay the campaign:"},
                  {"forcegate export flexiforce --c comp.h",

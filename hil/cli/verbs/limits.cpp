@@ -26,6 +26,7 @@ Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const std::int64_t threads, in.integer("threads", 0, 1024));
   request.threads = static_cast<unsigned>(threads);
   request.date = utc_today();
+  if (in.given("output")) FORCEGATE_CHECK_OK(check_limits_output(in.text("output"), request.plan));
   const auto made = derive_limits(request, in.console().progress_callback(), &in.interrupt_flag());
   in.console().end_progress();
   if (!made) return Unexpected(made.error());
@@ -50,7 +51,7 @@ const Registration<Command> kRow{Command{
                    "takes as limits of the errors of extrema what 99 % of specimens stay below with 95 % "
                    "confidence (below 299 of them: the largest), and 2 sd. The file says n, date, rig and the firmware it was made "
                    "with; it is "
-                   "part of the goldens and changes only with a reason.",
+                   "part of the goldens and changes only with a reason: -o refuses the file of a plan, forcegate bless writes it.",
     .positionals = {{.name = "FIRMWARE", .doc = "Known-good firmware image.", .names = Names::input}},
     .options =
         {{.name = "plan",
@@ -77,8 +78,8 @@ const Registration<Command> kRow{Command{
           "5.csv -o "
           "bench.toml",
           "Limits from a bench's own recordings, for gate --record new.csv --limits bench.toml:"},
-         {"forcegate limits build/firmware/reference.native.so --plan nightly -o golden/limits/nightly.toml",
-          "Limits of the nightly plan:"}},
+         {"forcegate limits build/firmware/reference.native.so --plan nightly -o new.toml",
+          "Limits of the nightly plan; forcegate bless new.toml puts them in force:"}},
     .run = run,
 }};
 

@@ -31,13 +31,18 @@ Result<int> run(const Invocation& in) {
   Console& console = in.console();
   const auto result = measure_power(request, console.progress_callback(), &in.interrupt_flag());
   console.end_progress();
-  if (!result) return Unexpected(result.error());
+  if (!result) {
+    Error error = result.error();
+    if (error.code == ErrorCode::cancelled)
+      error.hint = in.given("journal") ? "what was played is in " + in.text("journal") + ": the same command goes on from there" : "with --journal FILE the same command goes on from where it was";
+    return Unexpected(std::move(error));
+  }
   if (in.given("markdown"))
     FORCEGATE_CHECK_OK(write_file_atomically(in.text("markdown"), power_markdown(*result)));
   if (in.given("out")) FORCEGATE_CHECK_OK(write_file_atomically(in.text("out"), power_json(*result) + "\n"));
   console.print(power_text(*result));
   console.print_json(power_json(*result));
-  console.next(result->good()
+  console.print(result->good()
                    ? "the gate sees what it claims to see; docs/power.md explains the table"
                    : "write the check that sees a survivor, or say in its 'note:' why there is none");
   return result->good() ? kExitSuccess : kExitReject;

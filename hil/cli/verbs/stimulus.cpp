@@ -1,3 +1,4 @@
+#include "hil/app/files/own_file.h"
 #include "hil/app/recording/stimulus.h"
 
 #include <fmt/format.h>
@@ -62,6 +63,10 @@ Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const auto stimulus, make_stimulus(spec));
   FORCEGATE_TRY(const SampledStimulus sampled, sample_stimulus(*stimulus, rate_Hz));
   const std::string title = join(std::vector<std::string>{spec.name, join(words, " ")}, " ");
+  if (!in.flag("force")) {
+    FORCEGATE_CHECK_OK(check_own_file(in.text("csv"), "t_s,F_cmd_N\n"));
+    FORCEGATE_CHECK_OK(check_own_file(in.text("plot"), "<svg"));
+  }
   if (in.given("csv")) FORCEGATE_CHECK_OK(write_stimulus_csv(sampled, in.text("csv")));
   if (in.given("plot")) FORCEGATE_CHECK_OK(write_stimulus_svg(sampled, title, in.text("plot")));
 
@@ -126,6 +131,7 @@ const Registration<Command> kRow{Command{
          {.name = "csv", .value_name = "FILE", .doc = "Write columns t_s, F_cmd_N.", .names = Names::file},
          {.name = "rate", .value_name = "HZ", .doc = "Samples a second of plot and CSV.", .fallback = "1000"},
          {.name = "seed", .value_name = "N", .doc = "Seed of profiles with chance in them.", .fallback = "1"},
+         {.name = "force", .value_name = "", .doc = "Replace a file that this command did not write.", .letter = 'f'},
          {.name = "list", .value_name = "", .doc = "All profiles with their parameters, units and ranges."}},
     .examples = {{"forcegate stimulus sine f_Hz=0.5 A_N=1.05 m_N=2.15 --plot sine.svg",
                   "The force control of Lebosse et al. 2011, IV-B2 (1.1 to 3.2 N at 0.5 Hz):"},

@@ -3,17 +3,16 @@
 #include <fmt/format.h>
 #include <poll.h>
 #include <sys/socket.h>
-#include <sys/un.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstring>
 #include <fstream>
 
 #include "hil/base/text.h"
 #include "rigs/emulated/twins/ati_controller.h"
+#include "rigs/emulated/twins/control_socket.h"
 #include "rigs/emulated/twins/digital_ft.h"
 #include "rigs/emulated/twins/netft.h"
 
@@ -69,10 +68,21 @@ Result<std::unique_ptr<TwinHost>> TwinHost::make(const TwinOptions& options,
   return host;
 }
 
+TwinHost::~TwinHost() {
+  std::error_code ignored;
+  for (const std::filesystem::path& path : published_) std::filesystem::remove(path, ignored);
+}
+
 Result<void> TwinHost::open(const std::filesystem::path& folder) {
   folder_ = folder;
   std::error_code ignored;
   std::filesystem::create_directories(folder, ignored);
+  const std::filesystem::path path = folder / "control";
+  FORCEGATE_TRY(const sockaddr_un address, free_control_address(path));
+  published_ = {path, folder / options_.board_port};
+  published_.push_back(folder / (options_.tcp ? "motor.port" : options_.motor_port));
+  for (const std::string& name : options_.reference.adapter == "ati_netft" ? std::vector<std::string>{"reference.udp", "reference.port"} : std::vector<std::string>{options_.reference_port})
+    published_.push_back(folder / name);
   if (options_.tcp) {
     FORCEGATE_TRY(tcp_port_, motor_wire_.open_server(options_.tcp_port));
     std::ofstream(folder / "motor.port") << tcp_port_ << '\n';
@@ -88,13 +98,7 @@ Result<void> TwinHost::open(const std::filesystem::path& folder) {
     FORCEGATE_CHECK_OK(reference_wire_.open_terminal(folder / options_.reference_port));
   }
   FORCEGATE_CHECK_OK(board_wire_.open_terminal(folder / options_.board_port));
-  const std::filesystem::path path = folder / "control";
   std::filesystem::remove(path, ignored);
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  if (path.string().size() >= sizeof address.sun_path)
-    return fail(ErrorCode::config, "the folder of the twins has too long a name", path.string());
-  std::memcpy(address.sun_path, path.c_str(), path.string().size() + 1);
   listener_ = Descriptor(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (!listener_ || bind(listener_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
       listen(listener_.get(), 8) != 0)

@@ -41,9 +41,10 @@ Result<TwinOptions> read_twin_options(const ConfigNode& bench);
 
 class TwinHost {
  public:
-  /// Opens all wires in `folder`.
+  /// Opens all wires in `folder`; takes away what it published there when it goes. Errors: config, where another host serves in that folder.
   static Result<std::unique_ptr<TwinHost>> make(const TwinOptions& options,
                                                 const std::filesystem::path& folder);
+  ~TwinHost();
 
   /// Serves until `stop` is set or, with `until_alone`, the last control client has gone.
   void serve(const std::atomic<bool>& stop, bool until_alone);
@@ -93,6 +94,7 @@ class TwinHost {
   double paced_rest_ = 0.0;
   int tcp_port_ = 0;
   std::filesystem::path folder_;
+  std::vector<std::filesystem::path> published_;  ///< links, ports and the socket: gone with the host
 };
 
 }  // namespace forcegate::emulated

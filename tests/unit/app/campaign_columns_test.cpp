@@ -57,6 +57,38 @@ TEST_F(CampaignColumns, AMapIsSplitAtItsLastEqualsSignAndOneWithoutANameIsRefuse
   EXPECT_THAT(refused.error().to_text(), HasSubstr("cell_at_x="));
 }
 
+TEST_F(CampaignColumns, AColumnThatWasLeftOutForItsTextIsNamedWhereItIsMissed) {
+  const auto campaign = load_campaign(put("t_s,F_ref_N,R (kOhm)\n0,1,OL\n1,2,OL\n2,3,40\n"));
+  ASSERT_FALSE(campaign);
+  EXPECT_THAT(campaign.error().text, HasSubstr("\"R (kOhm)\" holds text and was left out: \"OL\" in line 2 is a meter over its range"));
+  EXPECT_THAT(campaign.error().hint, HasSubstr("empty the cells"));
+  const auto state = load_campaign(put("t_s,F_ref_N,R\n0,1,idle\n1,2,idle\n2,3,idle\n"));
+  ASSERT_FALSE(state);
+  EXPECT_THAT(state.error().text, EndsWith("; column \"R\" holds text and was left out"));
+}
+
+TEST_F(CampaignColumns, TheHintForCodesAndRatiosIsWhatTheyAre) {
+  for (const auto& [name, map] : {std::pair{"ADC code", "--map ADC_code=U_counts where it holds codes"}, {"Lectura ADC", "--map Lectura_ADC=U_counts"}, {"raw", "--map raw=U_counts"},
+                                  {"Vout/Vcc", "--map Vout/Vcc=U_V where it is a ratio"}, {"Encoder", "--map NAME=U_V"}}) {
+    const auto campaign = load_campaign(put(std::string("t_s,F_ref_N,") + name + "\n0,1,17\n1,2,18\n2,3,19\n"));
+    ASSERT_FALSE(campaign) << name;
+    EXPECT_THAT(campaign.error().hint, HasSubstr(map)) << name;
+  }
+}
+
+TEST_F(CampaignColumns, DaysThatWereTakenForSecondsAreToldWhereTheRecordIsTooShort) {
+  for (const double first : {46347.4, 0.4}) {
+    std::string text = "Time,F_ref_N,U_V\n";
+    for (int i = 0; i < 200; ++i) text += std::to_string(first + 0.000001 * i) + "," + std::to_string(i % 9) + ",1\n";
+    const CampaignRequest request = put(text);
+    const auto campaign = load_campaign(request);
+    ASSERT_TRUE(campaign) << campaign.error().to_text();
+    auto rows = make_campaign_input(*campaign, 1);
+    ASSERT_FALSE(rows);
+    EXPECT_THAT(PlacesOf(*campaign, request.campaign).with_file(rows.error()).hint, HasSubstr("if it counts days, as a spreadsheet does: --map Time=t_days")) << first;
+  }
+}
+
 TEST_F(CampaignColumns, ARecordThatIsTooShortIsNamedByItsFile) {
   const auto campaign = load_campaign(put("t_s,F_ref_N,U_V\n0,1,2\n1,2,3\n2,3,4\n"));
   ASSERT_TRUE(campaign);

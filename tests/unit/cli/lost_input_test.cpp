@@ -71,6 +71,25 @@ TEST_F(LostInput, AFolderOfRecordingsIsNotTheFolderThatIsRead) {
   EXPECT_FALSE(of(at("film/sine.csv"), "into", folder_.string()));
 }
 
+TEST_F(LostInput, ABundleIsOneWhateverIsRead) {
+  put("run/bundle.json", "{}"), put("run/result.json", "{}"), put("run/bundle/plan.toml", ""), put("run/report.html", ""), put("one/result.json", "{}"), put("a.csv", "t_s\n");
+  for (const char* output : {"run/bundle.json", "run/result.json", "run/bundle/plan.toml"}) EXPECT_TRUE(of(at("a.csv"), "output", at(output))) << output;
+  for (const char* output : {"run/report.html", "run/bundle/new.toml", "one/result.json"}) EXPECT_FALSE(of(at("a.csv"), "output", at(output))) << output;
+}
+
+TEST_F(LostInput, ARecordingIsReplacedByAVerbThatHasForceAlone) {
+  put("a.csv", "t_s\n"), put("b.csv", "t_s\n"), put("other/campaign.json", "{}");
+  for (const char* output : {"b.csv", "other/campaign.json"}) {
+    const auto error = of(at("a.csv"), "output", at(output));
+    ASSERT_TRUE(error) << output;
+    EXPECT_THAT(error->text, HasSubstr("a recording"));
+  }
+  EXPECT_FALSE(of(at("a.csv"), "output", at("new.csv")));
+  Command forced = row();
+  forced.options.push_back({.name = "force", .value_name = "", .doc = ""});
+  EXPECT_FALSE(lost_input(forced, {{"CAMPAIGN", at("a.csv")}, {"output", at("b.csv")}})) << "it asks itself";
+}
+
 TEST_F(LostInput, TwoOutputsAreTwoFiles) {
   const auto error = lost_input(row(), {{"output", at("b.toml")}, {"html", at("./b.toml")}});
   ASSERT_TRUE(error);

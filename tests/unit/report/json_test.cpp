@@ -110,7 +110,7 @@ TEST(ResultJson, the_words_of_the_enumerations_are_those_of_the_schema) {
   EXPECT_EQ(enums(rules, "level"), Lists{words<CalibrationLevel>()});
   EXPECT_THAT(enums(rules, "kind"), testing::UnorderedElementsAre(words<DecisionKind>(), words<Limit::Kind>()));
   EXPECT_EQ(words<Verdict>().size(), 7U);
-  EXPECT_EQ(words<Blame>().size(), 9U);
+  EXPECT_EQ(words<Blame>().size(), 10U);
 }
 
 TEST(ResultJson, a_value_beyond_its_enumeration_is_no_word_and_is_refused) {

@@ -98,6 +98,35 @@ TEST(InstrumentFiles, ACounterOf32BitsGoesOn) {
   EXPECT_THAT(refusal("micros,Force_N,adc\n1000000,1,2\n1020000,2,3\n1040000,1,2\n0,4,5\n20000,4,5\n"), HasSubstr("jumps back")) << "a board that began anew";
 }
 
+TEST(InstrumentFiles, UnitsBelowTitlesMayNameTheFormOfTheStamps) {
+  const std::string rows = "10:00:00.000;5;0.5\n10:00:00.050;6;0.6\n10:00:00.100;7;0.7\n";
+  for (const char* titles : {"No;12\n", "Protokoll;Z2.5;;\nWho;M\xC3\xBCller;;\n\n"})
+    for (const char* form : {"hh:mm:ss", "[HH:MM:SS.000]", "hh:mm:ss,fff"}) {
+      const auto f = read(std::string(titles) + "time;force;voltage\n" + form + ";kgf;V\n" + rows);
+      ASSERT_NE(f.trace.find("F_ref"), nullptr) << titles << form;
+      EXPECT_NEAR(f.trace.find("F_ref")->value[0], 5 * 9.80665, 1e-9);
+      EXPECT_NEAR(f.trace.time_bases[0].t_s[1] - f.trace.time_bases[0].t_s[0], 0.05, 1e-9);
+    }
+  EXPECT_THAT(refusal("mm;12\ntime;force;voltage\n10:00:00;5;0.5\n10:00:01;6;0.6\n" "10:00:02;x;0.6\n"), HasSubstr("is not a number")) << "and a name is none";
+}
+
+TEST(InstrumentFiles, UnitsAreReadInWindows1252AndBehindTheWordIn) {
+  const auto f = read("Zeit;Kraft;Spannung;Temperatur\nin s;in N;in V;\xB0" "C\n0;1;0.5;21\n0.1;2;0.6;22\n");
+  ASSERT_NE(f.trace.find("F_ref"), nullptr);
+  ASSERT_NE(f.trace.find("temp"), nullptr);
+  EXPECT_EQ(f.trace.find("temp")->value[1], 22.0);
+  EXPECT_THAT(refusal("Zeit;Kraft\nPr\xFC" "fer;M\xFCller\n"), HasSubstr("Pr\xC3\xBC" "fer;M\xC3\xBCller"));
+}
+
+TEST(InstrumentFiles, AClockThatGoesBackAnHourIsToldInItsStamps) {
+  std::string rows = "time,Force_N,U_V\n";
+  for (int i = 0; i < 40; ++i) rows += "2026-10-25T02:59:" + std::to_string(20 + i) + ",1," + std::to_string(i) + "\n";
+  const std::string hour = refusal(rows + "2026-10-25T02:00:00,1,2\n2026-10-25T02:00:01,1,3\n");
+  EXPECT_THAT(hour, AllOf(HasSubstr("from 2026-10-25T02:59:59.000 to 2026-10-25T02:00:00.000 in line 42"), HasSubstr("summer time")));
+  EXPECT_THAT(refusal(rows + "2026-10-25T02:10:00,1,2\n"), Not(HasSubstr("summer time")));
+  EXPECT_THAT(refusal("time_s,Force_N,U_V\n6997,1,2\n6998,2,2\n6999,1,4\n7000,1,2\n7001,1,2\n3402,1,3\n"), AllOf(HasSubstr("from 7001 s to 3402 s"), Not(HasSubstr("summer time"))));
+}
+
 class MixedOutputs : public FolderTest {};
 
 TEST_F(MixedOutputs, OneCampaignIsOneOutput) {

@@ -1,0 +1,14 @@
+#pragma once
+// A command that is given again replaces what it wrote before; a file of somebody else only when it is told to.
+
+#include <filesystem>
+#include <string_view>
+
+#include "hil/base/result.h"
+
+namespace forcegate {
+
+/// Errors: usage, where a file that is not empty stands at `path` and `mark` is not in its first lines.
+Result<void> check_own_file(const std::filesystem::path& path, std::string_view mark);
+
+}  // namespace forcegate
