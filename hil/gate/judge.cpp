@@ -248,10 +248,12 @@ class CaseJudge {
         fmt::format("{} to {} N", force_text(o.minimum_N), force_text(o.maximum_N)));
     if (calibration_fits_) checks_.judge_even_if_incomplete();
     spikes();
-    // what lies before its end is not judged: however short the flag, it counts from where the excitation began
-    const double window_s = std::max(0.0, o.learning_end_s - record_.facts.excitation_start_s);
-    if (record_.facts.dynamic || window_s > 0.0)
-      checks_.value_check("learning_window", "Longest start window", std::max(o.learning_longest_s, window_s), "s", 0.0,
+    // What lies before the end of the first window is not judged. One that begins later than it may last is no start window: all that it takes
+    // out counts. (When a recording's own excitation began is known only roughly.)
+    const double taken_out_s = std::max(0.0, o.learning_end_s - record_.facts.excitation_start_s);
+    const bool late = taken_out_s - o.learning_longest_s > plan_.limits.learning_s;
+    if (record_.facts.dynamic || taken_out_s > 0.0)
+      checks_.value_check("learning_window", "Longest start window", late ? taken_out_s : o.learning_longest_s, "s", 0.0,
                           record_.samples, {Limit::Kind::upper, plan_.limits.learning_s, "ours: plan"},
                           fmt::format("the first window closed at {:.2f} s", o.learning_end_s));
     if (record_.facts.dynamic) lag();
