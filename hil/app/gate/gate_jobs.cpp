@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "hil/app/files/find_plan.h"
+#include "hil/app/gate/same_profile.h"
 #include "hil/app/gate/wire_faults.h"
 #include "hil/base/digest.h"
 #include "hil/base/rng.h"
@@ -50,21 +50,6 @@ Result<void> select_lanes(const GateRequest& request, GateSetup& setup) {
   return {};
 }
 
-// Limits are of a profile: a recording of another one is another case.
-Result<void> check_profile(const StimulusFacts& planned, const StimulusFacts& recorded, const PlanCase& c, const std::string& path) {
-  constexpr double kRel = 0.15, kOff_N = 0.15;
-  const auto ask = [&](const char* what, double plan, double here, const char* unit, double least) -> Result<void> {
-    if (!(std::fabs(here - plan) > kRel * std::fabs(plan) + least)) return {};
-    return fail(ErrorCode::usage, fmt::format("this is no recording of the case '{}': its {} is {:.3g} {}, the plan's {:.3g} {}", c.name, what, here, unit, plan, unit), path,
-                "choose the case that was played with --case, or judge it as it is: --plan replay");
-  };
-  FORCEGATE_CHECK_OK(ask("largest force", planned.maximum_N, recorded.maximum_N, "N", kOff_N));
-  if (!planned.dynamic) return {};
-  FORCEGATE_CHECK_OK(ask("mean force", planned.mean_N, recorded.mean_N, "N", kOff_N));
-  if (!(planned.lowest_frequency_Hz > 0.0 && recorded.lowest_frequency_Hz > 0.0)) return {};
-  return ask("frequency", planned.lowest_frequency_Hz, recorded.lowest_frequency_Hz, "Hz", 0.0);
-}
-
 // The profile of a recording is its own force channel.
 Result<void> take_profile_of_recording(const GateRequest& request, bool any_profile, PlanCase& planned) {
   const auto path = request.rig_options.find("record");
@@ -77,7 +62,9 @@ Result<void> take_profile_of_recording(const GateRequest& request, bool any_prof
   auto made = make_stimulus(spec);
   if (!made) return fail(ErrorCode::usage, made.error().text, made.error().where, made.error().hint);
   const auto of_plan = make_stimulus(planned.stimulus);
-  if (of_plan && !any_profile) FORCEGATE_CHECK_OK(check_profile((*of_plan)->facts(), (*made)->facts(), planned, path->second));
+  if (const std::string what = of_plan && !any_profile ? other_profile(**of_plan, **made) : std::string(); !what.empty())
+    return fail(ErrorCode::usage, "this is no recording of the case '" + planned.name + "': " + what, path->second,
+                "choose the case that was played with --case, or judge it as it is: --plan replay");
   planned.stimulus = std::move(spec);
   return {};
 }
