@@ -142,7 +142,7 @@ class CalibrationRun {
     if (const std::string beyond = beyond_what_images_take(c); !beyond.empty())
       return failed(CaseFailure::Stage::rig,
                     {ErrorCode::device, "the calibration sweep gives " + beyond, job_.id,
-                     "look at the sensor, its amplifier and [board] v_range_V: this is no FlexiForce of the plan's forces"},
+                     "look at the sensor, its amplifier and the converter's v_range_V"},
                     Blame::sensor);
     return true;
   }
@@ -213,7 +213,7 @@ class CalibrationRun {
                      fmt::format("the dynamic record does not tell b and c/a of this sensor: b {} 1/s, c/a {:.3g} x eq. (5), {:.1f} % of the swing lost{}",
                                  with_uncertainty(fit->b_per_s, fit->u_b_per_s), c.q_scale, to_decay_fit(*fit, u_min_V, t_s.back()).loss_pct,
                                  beyond.empty() ? "" : "; " + beyond),
-                     job_.id, "identify it over a longer record or a greater amplitude; of a sensor that does not decay: calibrate = \"static\""},
+                     job_.id, "identify it over a longer record or a greater amplitude; a sensor that does not decay is judged with --calibration static"},
                     Blame::sensor);
     c.level = CalibrationLevel::identified;
     c.id = job_.specimen.substr(0, 14) + "/i";

@@ -14,7 +14,7 @@ namespace {
 
 struct Course {
   double low_N = 0.0, median_N = 0.0, high_N = 0.0;
-  double crossings = 0.0, duration_s = 0.0;
+  double crossings = 0.0;
 };
 
 Course course_of(const Stimulus& stimulus, double duration_s) {
@@ -23,7 +23,7 @@ Course course_of(const Stimulus& stimulus, double duration_s) {
   stimulus.fill(0.0, kStep_s, force_N.size(), force_N.data());
   Course out;
   const auto [low, high] = quantiles(force_N, 0.1, 0.9);
-  out.low_N = low, out.high_N = high, out.median_N = median(force_N), out.duration_s = duration_s;
+  out.low_N = low, out.high_N = high, out.median_N = median(force_N);
   int side = 0;
   for (const double f : force_N) {
     const double x = f - 0.5 * (low + high), band_N = kBand * (high - low);

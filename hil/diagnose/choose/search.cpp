@@ -136,7 +136,7 @@ void leave_to_zero_of_reference(Workspace& w, const Given& given, unsigned threa
     if (!search_without(w, given, names, threads, out, [](const Selection& s) { return s.base.valid; })) return;
     out.skip.insert(out.skip.end(), names.begin(), names.end());
     out.begun_anew.push_back(fmt::format("{} fit{} the zeros of the records, and not that the output is the same wherever there is no load, whatever the reference shows there",
-                                              fmt::join(names, ", "), verb_for(names)));
+                                         fmt::join(names, ", "), verb_for(names)));
   }
 }
 
