@@ -121,10 +121,8 @@ Decision reject(const std::vector<const Check*>& failed, std::span<const Check* 
         "calibrate the specimen (--calibration identified, for a recording --cal FILE)",
         to_string(events.level), d.reason);
   }
-  if (events.safety_stop) {
-    d.safety_stop = true;
-    if (!events.safety_text.empty() && d.reason.find(events.safety_text) == std::string::npos) d.reason += "; " + events.safety_text;
-  }
+  if (events.safety_stop && !events.safety_text.empty() && d.reason.find(events.safety_text) == std::string::npos)
+    d.reason += "; " + events.safety_text;
   return d;
 }
 
@@ -161,9 +159,14 @@ Decision decide(std::span<const Check* const> checks, const DecisionRule& rule, 
     else if (c->verdict != Verdict::waived && !truly_passed(*c, rule))
       open.push_back(c);
   }
-  if (!failed.empty()) return reject(failed, checks, events);
+  const bool undecided_stop = events.safety_stop && !events.safety_cause_decided;
   Decision d;
-  if (events.safety_stop && !events.safety_cause_decided) {
+  if (!failed.empty()) {
+    d = reject(failed, checks, events);
+    d.safety_stop = events.safety_stop;
+    if (d.kind == DecisionKind::reject || !undecided_stop) return d;
+  }
+  if (undecided_stop) {
     d = no_decision(Blame::rig, 5,
                     events.safety_text.empty() ? "safety stop of undecided cause" : events.safety_text);
     d.safety_stop = true;

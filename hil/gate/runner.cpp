@@ -150,6 +150,7 @@ class CaseRun {
     const bool closed = job_.planned.loop == LoopMode::closed;
     const std::size_t step = record_.rig.can_move ? period_.samples : wanted;
     std::size_t rows = 0;
+    answered_ = 0;
     while (rows < wanted) {
       float told = 0.0f;
       if (controller_) {
@@ -178,6 +179,7 @@ class CaseRun {
         estimate_N_ = force_N;
       }
       rows += *got;
+      if (closed || on_board_) answered_ = rows;
       if (on_board_ && !save(settled_.due(rows))) return 0;
       if (gate_.report().stopped()) break;
     }
@@ -205,6 +207,7 @@ class CaseRun {
     std::uint64_t done = 0;
     while (done < record_.expected_samples && !record_.failure) {
       const std::size_t rows = next_block(done);
+      if (record_.failure) save(answered_);
       if (rows == 0) break;
       consume(rows);
       done += rows;
@@ -251,6 +254,7 @@ class CaseRun {
   std::unique_ptr<Controller> controller_;
   bool dut_open_ = false;
   bool on_board_ = false;  ///< the firmware runs behind the rig's own wires
+  std::size_t answered_ = 0;  ///< rows of the block that rig and firmware have both made, kept when the rest fails
   SettledRows settled_;
   ControlPeriod period_;
   std::size_t block_rows_ = 4090;

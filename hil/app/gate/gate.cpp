@@ -208,13 +208,18 @@ class GateRun {
     return out;
   }
 
-  // A mistake in the request that only a record could show (a missing emulator, an instrument's option).
+  // A mistake in the request that only a record could show (a missing emulator, an instrument's option). Where other records were
+  // played, it is judged with them instead: a calibration that runs out in the night takes no result from the records before it.
   Result<void> first_usage_error() const {
-    for (const PlayedRecord& one : player_->records()) {
-      if (!one.record.failure) continue;
+    const auto is_mistake = [](const PlayedRecord& one) {
+      if (!one.record.failure) return false;
       const ErrorCode code = one.record.failure->error.code;
-      if (code == ErrorCode::usage || code == ErrorCode::config) return Unexpected(one.record.failure->error);
-    }
+      return code == ErrorCode::usage || code == ErrorCode::config;
+    };
+    const std::vector<PlayedRecord>& records = player_->records();
+    if (std::any_of(records.begin(), records.end(), [](const PlayedRecord& one) { return !one.record.failure; })) return {};
+    const auto first = std::find_if(records.begin(), records.end(), is_mistake);
+    if (first != records.end()) return Unexpected(first->record.failure->error);
     return {};
   }
 

@@ -283,6 +283,17 @@ TEST(Decision, undecided_safety_stop_has_its_own_exit_code) {
   events.safety_stop = true;
   events.safety_cause_decided = false;
   EXPECT_EQ(decided(judged({check(1.0, 4.5)}), events).exit_code, 5);
+  // also where a value beyond its limit could be the calibration's as well as the image's
+  Check own = check(0.0, 1.0);
+  own.id = "conformance";
+  own.required = false;
+  own.verdict = Verdict::not_run;
+  events.level = CalibrationLevel::nominal;
+  const std::vector<Check> cannot_be_told{judged({check(9.0, 4.5, 0.1)})[0], own};
+  EXPECT_EQ(decided(cannot_be_told, events).exit_code, 5);
+  EXPECT_TRUE(decided(cannot_be_told, events).safety_stop);
+  events.safety_stop = false;
+  EXPECT_EQ(decided(cannot_be_told, events).exit_code, 3);
 }
 
 // Whatever the checks hold: ACCEPT only when each required one carries a finite value inside its limit.
