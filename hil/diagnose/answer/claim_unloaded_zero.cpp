@@ -26,6 +26,15 @@ void claim_unloaded_zero(const Workspace& w, const MixedFit& fit, Diagnosis& out
   drift.evidence = fmt::format("{} of {} {} come down to one and the same output, that of no load, and the reference shows there forces that differ by {} N (standard "
                                "deviation), as their zeros do: it is its own zero that moves, the sensor's would move the output",
                                found->records, found->of, w.input.single ? "stretches of the recording" : "records", plain_number(found->spread_N));
+  EvidenceSeries zeros;
+  zeros.title = "what the reference shows without load";
+  zeros.x_name = w.input.single ? "time" : "record";
+  zeros.x_unit = w.input.single ? "s" : "";
+  zeros.y_unit = "N";
+  zeros.x = found->at;
+  zeros.before = found->shown_N;
+  zeros.after = found->left_N;
+  drift.series.push_back(std::move(zeros));
   std::erase_if(out.findings, [&](const Finding& f) { return f.effect == drift.effect; });
   out.findings.insert(std::ranges::find_if(out.findings, [](const Finding& f) { return !f.claimed(); }), std::move(drift));
   if (out.verdict == DiagnosisVerdict::known) return;

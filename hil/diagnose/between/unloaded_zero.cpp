@@ -15,6 +15,7 @@ namespace {
 // Of a record, or of a stretch of one recording.
 struct Rest {
   std::size_t at = 0;    // which of them
+  double where = 0.0;    // UnloadedZero::at
   double force_N = 0.0;  // what the reference shows at its lowest load
   double zero_N = 0.0;   // of the output
   double load_N() const { return force_N + zero_N; }
@@ -39,7 +40,7 @@ std::vector<Rest> rests_of_records(const Workspace& w, const MixedFit& fit) {
     const std::optional<double> force_N = lowest_force_N(r, 0, r.rows());
     if (!force_N) continue;
     const double gain = fit.zeta[k][0] * w.gain_V_per_N * *force_N / w.output.scale;
-    out.push_back({k, *force_N, (fit.zeta[k][1] + gain) * w.output.scale / w.gain_V_per_N});
+    out.push_back({k, static_cast<double>(w.output.record_of[k] + 1), *force_N, (fit.zeta[k][1] + gain) * w.output.scale / w.gain_V_per_N});
   }
   return out;
 }
@@ -59,7 +60,7 @@ std::vector<Rest> rests_of_stretches(const Workspace& w, const MixedFit& fit) {
       const auto first = std::ranges::lower_bound(row, begin) - row.begin(), last = std::ranges::lower_bound(row, end) - row.begin();
       const std::optional<double> force_N = lowest_force_N(r, begin, end);
       if (!force_N || last - first < kFewestRows) continue;
-      out.push_back({k * of_part + s, *force_N, 0.0});
+      out.push_back({k * of_part + s, r.clock_start_s + r.t_s[(begin + end) / 2], *force_N, 0.0});
       sums.push_back(line_sums(w.output, fit, k, first, last));
     }
   }
@@ -72,9 +73,16 @@ std::vector<Rest> rests_of_stretches(const Workspace& w, const MixedFit& fit) {
 std::vector<Rest> rests_of(const Workspace& w, const MixedFit& fit) { return w.input.single ? rests_of_stretches(w, fit) : rests_of_records(w, fit); }
 
 template <class Of>
-double spread_of(const std::vector<Rest>& rests, const Of& of) {
-  double mean = 0.0, square = 0.0;
+double mean_of(const std::vector<Rest>& rests, const Of& of) {
+  double mean = 0.0;
   for (const Rest& r : rests) mean += std::invoke(of, r) / static_cast<double>(rests.size());
+  return mean;
+}
+
+template <class Of>
+double spread_of(const std::vector<Rest>& rests, const Of& of) {
+  const double mean = mean_of(rests, of);
+  double square = 0.0;
   for (const Rest& r : rests) square += std::pow(std::invoke(of, r) - mean, 2);
   return std::sqrt(square / std::max(1.0, static_cast<double>(rests.size()) - 1.0));
 }
@@ -103,7 +111,16 @@ std::optional<std::vector<Rest>> told_rests(const Workspace& w, const MixedFit& 
 std::optional<UnloadedZero> unloaded_zero_of_reference(const Workspace& w, const MixedFit& fit) {
   const auto rests = told_rests(w, fit);
   if (!rests) return std::nullopt;
-  return UnloadedZero{rests->size(), rests_of(w, fit).size(), spread_of(*rests, &Rest::zero_N)};
+  UnloadedZero out{rests->size(), rests_of(w, fit).size(), spread_of(*rests, &Rest::zero_N), {}, {}, {}};
+  std::vector<Rest> in_order = *rests;
+  std::ranges::sort(in_order, {}, &Rest::where);
+  const double shown_N = mean_of(in_order, &Rest::force_N), left_N = mean_of(in_order, &Rest::load_N);
+  for (const Rest& r : in_order) {
+    out.at.push_back(r.where);
+    out.shown_N.push_back(r.force_N - shown_N);
+    out.left_N.push_back(r.load_N() - left_N);
+  }
+  return out;
 }
 
 std::vector<std::string> contradicted_without_load(const Workspace& w, const Selection& selection) {

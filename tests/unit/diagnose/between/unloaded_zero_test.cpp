@@ -56,6 +56,15 @@ TEST(UnloadedZero, AReferenceThatShowsAnotherForceWithoutLoadInEveryRecordDrifts
   EXPECT_EQ(drift->side, "reference");
   ASSERT_EQ(drift->parameters.size(), 1u);
   EXPECT_NEAR(drift->parameters.front().value, 0.2 * 0.93, 0.03);
+  // its picture: the zeros as they were put in, and nothing of them once they are taken off
+  ASSERT_EQ(drift->series.size(), 1u);
+  const EvidenceSeries& zeros = drift->series.front();
+  EXPECT_EQ(zeros.x_name, "record");
+  ASSERT_GE(zeros.x.size(), 4u);
+  for (std::size_t i = 0; i < zeros.x.size(); ++i) {
+    EXPECT_NEAR(zeros.before[i], 0.2 * by_turns(static_cast<int>(zeros.x[i]) - 1), 0.06) << zeros.x[i];
+    EXPECT_NEAR(zeros.after[i], 0.0, 0.06) << zeros.x[i];
+  }
   EXPECT_EQ(d.verdict, DiagnosisVerdict::known);
   for (const std::string& note : d.notes) EXPECT_EQ(note.find("zero scatters"), std::string::npos) << note;
 }
@@ -70,6 +79,12 @@ TEST(UnloadedZero, AReferenceThatFollowsTheTemperatureIsNoTemperatureOfTheSensor
   const Diagnosis d = answer_in_air([&](int k) { return 0.05 * (air_C(k) - 22.0); }, [](int) { return 0.0; }, air_C);
   ASSERT_NE(drift_of(d), nullptr) << told(d);
   EXPECT_EQ(drift_of(d)->side, "reference");
+  ASSERT_EQ(drift_of(d)->series.size(), 1u);
+  const EvidenceSeries& zeros = drift_of(d)->series.front();
+  EXPECT_EQ(zeros.x_unit, "s");
+  EXPECT_GT(zeros.x.back(), 450.0);  // of the recording, not of a part of it
+  EXPECT_TRUE(std::ranges::is_sorted(zeros.x));
+  EXPECT_GT(zeros.before.back() - zeros.before.front(), 0.08);
   for (const Finding& f : d.findings) EXPECT_FALSE(f.claimed() && f.side == "sensor") << f.effect;
 }
 
@@ -114,6 +129,12 @@ TEST(UnloadedZero, OneRecordingOfManyLoadsTellsWhoseZeroMoves) {
   const Diagnosis d = answer_to_cycles(true);
   ASSERT_NE(drift_of(d), nullptr) << told(d);
   EXPECT_EQ(drift_of(d)->side, "reference");
+  ASSERT_EQ(drift_of(d)->series.size(), 1u);
+  const EvidenceSeries& zeros = drift_of(d)->series.front();
+  EXPECT_EQ(zeros.x_unit, "s");
+  EXPECT_GT(zeros.x.back(), 450.0);  // of the recording, not of a part of it
+  EXPECT_TRUE(std::ranges::is_sorted(zeros.x));
+  EXPECT_GT(zeros.before.back() - zeros.before.front(), 0.08);
   for (const Finding& f : d.findings) EXPECT_FALSE(f.claimed() && f.side == "sensor") << f.effect;
 }
 
