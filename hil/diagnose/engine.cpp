@@ -149,6 +149,7 @@ OpenPoints open_points(const Workspace& w, const EngineOptions& options, const S
 void tell_what_it_follows(const std::vector<Outdone>& outdone, Diagnosis& out) {
   constexpr std::size_t kMost = 3;
   for (const Outdone& o : outdone) {
+    if (o.is_tie) continue;
     std::erase(out.depends_on, o.group);
     out.depends_on.insert(out.depends_on.begin(), o.group);
     if (std::ranges::find(out.follows, o.by) == out.follows.end()) out.follows.push_back(o.by);

@@ -33,7 +33,7 @@ bool withdraw_tips(const Remainder& rest, std::vector<Finding>& findings) {
 }  // namespace
 
 bool Withdrawals::some_outdone() const {
-  return std::ranges::any_of(outdone, [](const Outdone& o) { return !o.effects.empty(); });
+  return std::ranges::any_of(outdone, [](const Outdone& o) { return !o.effects.empty() && !o.is_tie; });
 }
 
 Withdrawals withdraw(Workspace& w, const Selection& selection, const Remainder& rest, unsigned threads, Diagnosis& out) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <iterator>
 #include <numbers>
 
 namespace forcegate::diagnose {
@@ -167,6 +168,22 @@ UnnamedDependence zero_with_time() {
   return out;
 }
 
+// dU = g R sum_k c_k (1 - exp(-t / tau_k)), tau_k = T/30, T/10, T/3, T: creep under a constant load looks like that, and so does a zero that knows
+// nothing of it.
+UnnamedDependence settling_zero() {
+  constexpr double kOfRecording[] = {1.0 / 30.0, 0.1, 1.0 / 3.0, 1.0};
+  UnnamedDependence out = dependence("settling_zero", "a zero that settles with the time", "time", {}, std::size(kOfRecording), {{}},
+                                     [kOfRecording](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef columns) {
+                                       const double T_s = std::max(1.0, r.t_s.empty() ? 1.0 : r.t_s.back());
+                                       r.for_each_wanted([&](std::size_t i) {
+                                         for (std::size_t k = 0; k < std::size(kOfRecording); ++k)
+                                           columns(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) = -c.range_N * std::expm1(-r.t_s[i] / (kOfRecording[k] * T_s));
+                                       });
+                                     });
+  out.is_blind = true;
+  return out;
+}
+
 // dU = g W (c1 x + c2 x^2), x = t/T: a supply, an amplifier or a span of the reference that moves.
 UnnamedDependence gain_with_time() {
   UnnamedDependence out = dependence("gain_with_time", "a gain that goes with the time", "time", {}, 2, {{}}, [](const CampaignInput&, const RecordInput& r, std::span<const double>, ColumnsRef columns) {
@@ -207,6 +224,7 @@ std::vector<UnnamedDependence> unnamed_dependences(const CampaignInput& campaign
   std::vector<UnnamedDependence> out;
   if (campaign.single) {
     out.push_back(zero_with_time());
+    out.push_back(settling_zero());
     out.push_back(gain_with_time());
     out.push_back(jump());
   }

@@ -15,6 +15,7 @@ struct UnnamedDependence {
   bool is_late = false;  ///< it can be taken for effects of time alone, and is asked beside those
   bool tells_when = false;  ///< its first shape is a share of the recording
   bool is_simpler = false;  ///< than any effect: it needs to explain no more than the one beside which it stands
+  bool is_blind = false;    ///< to the load: as good a name as an effect that explains as much
 };
 
 inline constexpr const char* kZeroWithTime = "a zero that goes with the time";

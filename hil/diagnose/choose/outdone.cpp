@@ -81,10 +81,22 @@ std::vector<Place> places_of(const ResidualChannel& channel, const Selection& se
 }
 
 // Forms differ: a name keeps its place against what fits a little better. What is left has no name to be outdone: most of it must go.
-bool fills(const Place& place, const VariantScore& score, bool is_simpler) {
-  constexpr double kTimes = 1.15, kMore = 20.0, kMost = 0.5;
-  const double least = is_simpler ? std::max(kMore, place.gain) : kTimes * std::max(0.0, place.gain) + kMore;
+constexpr double kMore = 20.0;
+
+// Beside what is blind to the load: within this they explain the same.
+double tie_of(const Place& place) {
+  constexpr double kForms = 0.02;
+  return kMore + kForms * std::max(0.0, place.gain);
+}
+
+bool fills(const Place& place, const VariantScore& score, const UnnamedDependence& by) {
+  constexpr double kTimes = 1.15, kMost = 0.5;
+  const double least = by.is_simpler ? std::max(kMore, place.gain) : by.is_blind ? place.gain + tie_of(place) : kTimes * std::max(0.0, place.gain) + kMore;
   return score.gain > least && (!place.effects.empty() || score.fall > kMost);
+}
+
+bool ties(const Place& place, const VariantScore& score, const UnnamedDependence& by) {
+  return by.is_blind && place.effects.size() == 1 && std::abs(score.gain - place.gain) <= tie_of(place);
 }
 
 }  // namespace
@@ -95,25 +107,38 @@ std::vector<Outdone> outdone_by_unnamed(const CampaignInput& input, ResidualChan
   const std::vector<UnnamedDependence> unnamed = unnamed_dependences(input);
   for (const Place& place : places_of(channel, selection, structured)) {
     const bool of_time = !place.effects.empty() && is_timing(place.effects.front()), several = place.effects.size() > 1;
-    Outdone best{place.effects, {}, {}, place.gain, 0.0};
+    Outdone best{place.effects, {}, {}, place.gain, 0.0}, tie;
     std::vector<double> shape;
     for (const UnnamedDependence& dependence : unnamed) {
-      if ((dependence.is_late && !place.effects.empty() && !of_time) || (several && !dependence.is_simpler)) continue;
+      if ((dependence.is_late && !place.effects.empty() && !of_time) || (several && !dependence.is_simpler && !dependence.is_blind)) continue;
       const SpareRoom room(channel);
       const FamilyScore score = best_of(input, channel, dependence.kind, place.others, place.without, place.gain, threads, shape);
-      if (!fills(place, score.best, dependence.is_simpler) || score.best.gain <= best.by_gain) continue;
+      if (ties(place, score.best, dependence)) tie = {place.effects, dependence.kind.summary, dependence.group, place.gain, score.best.gain, true};
+      if (!fills(place, score.best, dependence) || score.best.gain <= best.by_gain) continue;
       best.by = dependence.kind.summary;
       if (dependence.tells_when) best.by += fmt::format(", after about {:.3g} s", shape.front() * input.records.front().t_s.back());
       best.group = dependence.group;
       best.by_gain = score.best.gain;
     }
+    if (best.by.empty()) best = std::move(tie);
     if (!best.by.empty()) out.push_back(std::move(best));
   }
   return out;
 }
 
 void withdraw_outdone(const std::vector<Outdone>& outdone, Diagnosis& out) {
+  constexpr double kTied = 0.7;
   for (const Outdone& o : outdone) {
+    if (o.is_tie) {
+      const std::string& name = o.effects.front();
+      const auto found = std::ranges::find_if(out.findings, [&](const Finding& f) { return f.effect == name && f.claimed() && !f.between_records; });
+      if (found == out.findings.end()) continue;
+      found->limit(kTied, o.by + ", whatever the load, explains as much of it");
+      out.notes.push_back(fmt::format("{} and {}, whatever the load, look the same under this load (log evidence {:.0f} and {:.0f}): a rest without load on the way, "
+                                      "and other loads after it, tell them apart",
+                                      name, o.by, o.gain, o.by_gain));
+      continue;
+    }
     const bool several = o.effects.size() > 1;
     for (Finding& f : out.findings)
       if (!f.of_samples() && (std::ranges::find(o.effects, f.effect) != o.effects.end() || (several && f.of_output() && !f.between_records)))

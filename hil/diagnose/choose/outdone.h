@@ -14,6 +14,7 @@ struct Outdone {
   std::vector<std::string> effects;  ///< empty: what is left
   std::string by, group;             ///< see UnnamedDependence
   double gain = 0.0, by_gain = 0.0;  ///< log evidence in that place
+  bool is_tie = false;               ///< both explain the same: the names stay, less sure
 };
 
 /// Asks it of every effect of the output that acts within records, of all of them together (what is simpler than any), and where `structured`
@@ -21,7 +22,7 @@ struct Outdone {
 std::vector<Outdone> outdone_by_unnamed(const CampaignInput& input, ResidualChannel& channel, const Selection& selection, bool structured,
                                         unsigned threads);
 
-/// Takes the claims back that are outdone, and says in the notes what explains more.
+/// Takes the claims back that are outdone, makes those less sure beside which something explains as much, and says in the notes what does.
 void withdraw_outdone(const std::vector<Outdone>& outdone, Diagnosis& out);
 
 }  // namespace forcegate::diagnose
