@@ -6,6 +6,7 @@
 //
 // f in Hz: lowest frequency at the start; A in N: amplitude of the force; a, c in V; b in 1/s.
 
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -18,8 +19,9 @@ struct Laws {
   double a2_V_per_N2 = 0.884, a1_V_per_N = 0.865;  ///< the values are those that the paper prints
   double b1_s_per_s = 0.0019, b0_per_s = 0.0056;
   double k_per_N2 = 1.377;
-  /// Standard errors: jackknife over specimens (records of one specimen are not independent). 0: not estimated.
-  double se_a2 = 0, se_a1 = 0, se_b1 = 0, se_b0 = 0, se_k = 0;
+  /// Standard errors: jackknife over specimens (records of one specimen are not independent). NaN: not estimated.
+  static constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  double se_a2 = kUnknown, se_a1 = kUnknown, se_b1 = kUnknown, se_b0 = kUnknown, se_k = kUnknown;
   std::size_t records = 0, specimens = 0;
 
   double a_V(double A_N) const { return (a2_V_per_N2 * A_N + a1_V_per_N) * A_N; }

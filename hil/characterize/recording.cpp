@@ -99,23 +99,33 @@ void describe_decay_of(SessionSheet& sheet, const DecayRecord& d, double fall) {
   }
 }
 
+struct Span {
+  double begin_s = 0.0, end_s = 0.0;
+};
+
 // `samples`: in a cycle.
-void describe_cycles(SessionSheet& sheet, SteadyStretch stretch, double recording_s, double samples) {
+void describe_cycles(SessionSheet& sheet, SteadyStretch stretch, const Span& recording, double samples) {
   constexpr double kFewSamples = 8.0;
   if (samples < kFewSamples)
     sheet.notes.push_back(fmt::format("only {:.2g} samples in a cycle: the heights of the turns, and with them A, the loss and c/a, are told from too few", samples));
   Extrema& extrema = stretch.extrema;
-  const double duration_s = stretch.is_whole ? recording_s : stretch.end_s - stretch.begin_s;
-  if (!stretch.is_whole) {
+  const double half_cycle_s = (stretch.end_s - stretch.begin_s) / std::max(1.0, static_cast<double>(extrema.maxima.size() + extrema.minima.size()) - 1.0);
+  double onset_s = stretch.begin_s, end_s = stretch.end_s;
+  if (stretch.is_whole) {
+    onset_s = std::max(recording.begin_s, stretch.begin_s - half_cycle_s);
+    end_s = recording.end_s;
+    if (onset_s - recording.begin_s > 2.0 * half_cycle_s)
+      sheet.notes.push_back(fmt::format("the cycles begin {:.3g} s behind the beginning of the recording: the time of eq. (3) counts from there", onset_s - recording.begin_s));
+  } else {
     sheet.notes.push_back(fmt::format(
         "cut to {:.0f} .. {:.0f} s of {:.0f} s: elsewhere the swing or the rate of the force is another one",
-        stretch.begin_s, stretch.end_s, recording_s));
-    for (Turns* t : {&extrema.maxima, &extrema.minima})
-      for (double& t_s : t->t_s) t_s -= stretch.begin_s;
+        stretch.begin_s, stretch.end_s, recording.end_s - recording.begin_s));
   }
+  for (Turns* t : {&extrema.maxima, &extrema.minima})
+    for (double& t_s : t->t_s) t_s -= onset_s;
   DecayRecord d = describe_decay(extrema);
   d.set = "recording";
-  d.duration_s = duration_s;
+  d.duration_s = end_s - onset_s;
   const Turns& m = extrema.maxima;
   d.f_Hz = static_cast<double>(m.size() - 1) / (m.t_s.back() - m.t_s.front());
   double mean_N = 0.0;
@@ -143,10 +153,10 @@ Result<void> describe_static(SessionSheet& sheet, const Columns& c, double large
     line.push(static_cast<double>(c.sensor_V[i]), static_cast<double>(c.force_N[i]));
   constexpr double kLeast_V2 = 1e-6, kAnswers = 0.5;  // correlation
   if (line.variance_V2() > kLeast_V2 && line.covariance_VN() < -kAnswers * std::sqrt(line.variance_V2() * line.variance_N2()))
-    return fail(ErrorCode::device, "the output falls while the force rises", name,
+    return fail(ErrorCode::parse, "the output falls while the force rises", name,
                 "one of the two has the wrong sign: exchange the leads of the sensor, or turn the column over (U: full scale - U, F_ref: -F_ref)");
   if (!line.answers(kLeast_V2))
-    return fail(ErrorCode::device, "the sensor did not answer the force", name,
+    return fail(ErrorCode::parse, "the sensor did not answer the force", name,
                 "is it the sensor's channel?");
   Calibration& k = sheet.calibration;
   k.gain_N_per_V = line.gain_N_per_V();
@@ -171,7 +181,7 @@ Result<SessionSheet> characterize_recording(Rig& rig, const std::string& name, B
   const auto [low, high] = std::minmax_element(columns.force_N.begin(), columns.force_N.end());
   const double range_N = static_cast<double>(*high - *low);
   if (range_N < kRangeNeeded_N)
-    return fail(ErrorCode::device, "the force hardly moves: nothing can be learnt from this recording", name,
+    return fail(ErrorCode::parse, "the force hardly moves: nothing can be learnt from this recording", name,
                 "load the sensor through its range, or cyclically");
   SessionSheet sheet;
   sheet.specimen = name;
@@ -194,7 +204,7 @@ Result<SessionSheet> characterize_recording(Rig& rig, const std::string& name, B
   SteadyStretch stretch = longest_steady_stretch(all, kSwingTolerance);
   if (is_cyclic(turns_of(stretch.extrema), stretch.end_s - stretch.begin_s)) {
     const double samples = samples_per_cycle(columns.t_s, stretch.extrema);
-    describe_cycles(sheet, std::move(stretch), recording_s, samples);
+    describe_cycles(sheet, std::move(stretch), {columns.t_s.front(), columns.t_s.back()}, samples);
     return sheet;
   }
   if (is_cyclic(turns_of(all), recording_s))

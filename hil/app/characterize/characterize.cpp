@@ -61,12 +61,13 @@ Result<void> write_output(const CharacterizeRequest& request, const Characteriza
       FORCEGATE_CHECK_OK(writer.write(request.output / (study.sensor + ".toml"), model));
     }
     if (study.sheets.size() > kMostCalibrationFiles) continue;
-    for (const SessionSheet& sheet : study.sheets)
-      if (!sheet.failure && sheet.find("static.gain") != nullptr)
-        FORCEGATE_CHECK_OK(
-            writer.write(request.output / fmt::format("calibration-{}-{}-s{}.toml", study.sensor,
-                                                      file_name_of(sheet.specimen), sheet.session),
-                         calibration_text(sheet)));
+    std::map<std::string, int> used;  // names that differ by letters alone which no file name has here
+    for (const SessionSheet& sheet : study.sheets) {
+      if (sheet.failure || sheet.find("static.gain") == nullptr) continue;
+      std::string name = fmt::format("calibration-{}-{}-s{}", study.sensor, file_name_of(sheet.specimen), sheet.session);
+      if (const int before = used[name]++; before > 0) name += fmt::format("-{}", before + 1);
+      FORCEGATE_CHECK_OK(writer.write(request.output / (name + ".toml"), calibration_text(sheet)));
+    }
   }
   return {};
 }
@@ -88,6 +89,12 @@ Result<void> write_paper(const CharacterizeRequest& request, const Characterizat
   return {};
 }
 
+// The name of its file; with that of its folder where another recording has the same.
+std::string name_of_recording(const fs::path& path, const std::vector<fs::path>& all) {
+  const auto is_other = [&](const fs::path& other) { return other != path && other.filename() == path.filename(); };
+  return std::ranges::any_of(all, is_other) ? (fs::absolute(path).parent_path().filename() / path.filename()).string() : path.filename().string();
+}
+
 Result<void> study_recordings(const CharacterizeRequest& request, characterize::BenchProgress& progress,
                               Characterization& out) {
   SensorStudy study;
@@ -106,8 +113,9 @@ Result<void> study_recordings(const CharacterizeRequest& request, characterize::
         continue;
       }
     }
-    Result<SessionSheet> made = characterize::characterize_recording(*rig, path.filename().string(), progress);
-    if (!made && made.error().where == path.filename()) made.error().where = path.string();
+    const std::string name = name_of_recording(path, request.recordings);
+    Result<SessionSheet> made = characterize::characterize_recording(*rig, name, progress);
+    if (!made && made.error().where == name) made.error().where = path.string();
     FORCEGATE_TRY(SessionSheet sheet, std::move(made));
     study.rig_time_s += static_cast<double>(sheet.samples) / rig->info().rate_Hz;
     study.samples += sheet.samples;

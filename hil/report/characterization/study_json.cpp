@@ -35,15 +35,18 @@ Json of(const LawErrors& e) {
           {"mre_pct", json_number<Json>(e.mre_pct)}};
 }
 
+// [value, standard error]; null where too few specimens tell none.
+Json with_se(double value, double se) { return {json_number<Json>(value), json_number<Json>(se)}; }
+
 Json of(const LawStudy& study) {
   if (!study.available) return {{"available", false}, {"why_not", study.why_not}};
   const Laws& l = study.fitted;
   Json out{{"available", true},
-           {"a2_V_per_N2", {l.a2_V_per_N2, l.se_a2}},
-           {"a1_V_per_N", {l.a1_V_per_N, l.se_a1}},
-           {"b1", {l.b1_s_per_s, l.se_b1}},
-           {"b0_per_s", {l.b0_per_s, l.se_b0}},
-           {"k_per_N2", {l.k_per_N2, l.se_k}},
+           {"a2_V_per_N2", with_se(l.a2_V_per_N2, l.se_a2)},
+           {"a1_V_per_N", with_se(l.a1_V_per_N, l.se_a1)},
+           {"b1", with_se(l.b1_s_per_s, l.se_b1)},
+           {"b0_per_s", with_se(l.b0_per_s, l.se_b0)},
+           {"k_per_N2", with_se(l.k_per_N2, l.se_k)},
            {"records", l.records},
            {"specimens", l.specimens},
            {"scores", Json::array()}};

@@ -67,6 +67,24 @@ TEST(Recording, of_cycles_gives_the_decay_that_is_in_it) {
   EXPECT_TRUE(std::isnan(sheet.value("static.gain")));
 }
 
+TEST(Recording, counts_the_time_of_the_decay_from_the_first_cycle) {
+  constexpr double kRest_s = 200.0;
+  RecordedRig rig;
+  for (int i = 0; i < 140000; ++i) {
+    const double t = 0.01 * i - kRest_s, s = t < 0.0 ? 0.0 : 0.5 - 0.5 * std::cos(2.0 * 3.14159265358979 * 0.5 * t);
+    rig.force_N.push_back(static_cast<float>(1.0 + 3.0 * s));
+    rig.sensor_V.push_back(static_cast<float>(2.0 + s * (4.0 * std::exp(-0.006 * t) + 1.0)));
+  }
+  BenchProgress progress;
+  const SessionSheet sheet = value_or_abort(characterize_recording(rig, "r", progress));
+  EXPECT_NEAR(sheet.value("recording.a"), 4.0, 0.03);
+  EXPECT_NEAR(sheet.value("recording.c"), 1.0, 0.02);
+  ASSERT_EQ(sheet.decays.size(), 1u);
+  EXPECT_NEAR(sheet.decays.front().duration_s, 1200.0, 1.0);
+  ASSERT_FALSE(sheet.notes.empty());
+  EXPECT_NE(sheet.notes.front().find("the cycles begin 200 s behind"), std::string::npos) << sheet.notes.front();
+}
+
 TEST(Recording, tells_the_same_however_many_samples_a_cycle_has) {
   for (const double rate_Hz : {1000.0, 100.0, 50.0, 20.0}) {  // of cycles of 0.5 s
     RecordedRig rig;
