@@ -35,7 +35,7 @@ Result<std::unique_ptr<Stimulus>> make(const StimulusSpec& spec) {
   if (p.at("low_N") > p.at("high_N"))
     return fail(ErrorCode::usage, "stimulus 'ramp': low_N is above high_N", {}, "swap them");
   return std::unique_ptr<Stimulus>(std::make_unique<Ramp>(p.at("low_N"), p.at("high_N"), p.at("sweep_s"),
-                                                          std::floor(p.at("cycles") + 0.5), p.at("ramp_s")));
+                                                          p.at("cycles"), p.at("ramp_s")));
 }
 
 const Registration<StimulusKind> kRegistered{

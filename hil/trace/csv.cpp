@@ -147,6 +147,20 @@ Result<void> settle_unit_of_clock(const CsvTable& table, std::size_t clock, std:
   return {};
 }
 
+// SCPI-1999, 7.2.1: 9.9e37 is an instrument's overload and 9.91e37 its "not a number"; none measures more.
+void empty_overloads(CsvTable& table, std::size_t clock, std::vector<std::string>& notes) {
+  constexpr double kOverload = 9.89e37;
+  for (std::size_t c = 0; c < table.columns.size(); ++c) {
+    if (c == clock) continue;
+    std::size_t over = 0;
+    for (double& v : table.columns[c].value)
+      if (std::fabs(v) >= kOverload) v = kMissing, ++over;
+    table.columns[c].missing += over;
+    if (over > 0)
+      notes.push_back("column \"" + table.columns[c].header + "\": " + std::to_string(over) + " values of 9.9e37 and more are an instrument's overload, and count as missing");
+  }
+}
+
 void convert_units(CsvTable& table, const std::vector<ColumnMeaning>& meanings, std::vector<std::string>& notes) {
   std::vector<std::string> assumed;
   for (const ColumnMeaning& meaning : meanings)
@@ -204,6 +218,7 @@ Result<TraceFile> trace_of_table(CsvTable table, const std::string& where, const
   FORCEGATE_CHECK_OK(settle_unit_of_clock(table, clock_column, meanings, where, options, out.notes));
   if (clock_column < table.columns.size() && count_on(table.columns[clock_column].value))
     out.notes.push_back("the clock \"" + table.columns[clock_column].header + "\" passes 2^32, where a counter of 32 bits begins anew; counted on");
+  empty_overloads(table, clock_column, out.notes);
   convert_units(table, meanings, out.notes);
 
   Clock clock;

@@ -343,6 +343,7 @@ Result<std::unique_ptr<Rig>> make_emulated(const std::map<std::string, std::stri
       FORCEGATE_TRY(hidden, make_sensor_hook(text));
     } else if (name == "adc_bits") {
       FORCEGATE_TRY(const double bits, number_option(name, text, 8, 16));
+      if (bits != std::floor(bits)) return fail(ErrorCode::config, "rig option adc_bits = " + shortest(bits) + " is no whole number", "rig emulated", "write 8 to 16");
       options.adc_bits = static_cast<int>(bits);
     } else if (name == "rate_Hz") {
       FORCEGATE_TRY(options.rate_Hz, number_option(name, text, 100, 10000));

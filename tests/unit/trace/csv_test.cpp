@@ -71,6 +71,16 @@ TEST(ReadCsv, MissingCellsAreNotANumber) {
   EXPECT_THAT(f.notes, Contains(HasSubstr("misses 4 of 5")));
 }
 
+TEST(ReadCsv, AnInstrumentsOverloadIsAMissingValue) {
+  const auto f = read("t_s,F_ref_N,U_V\n0,1,2\n0.1,1.5,9.91E37\n0.2,-9.9E+37,2.5\n0.3,1,1e300\n");
+  EXPECT_TRUE(std::isnan(f.trace.find("U")->value[1]));
+  EXPECT_TRUE(std::isnan(f.trace.find("U")->value[3]));
+  EXPECT_TRUE(std::isnan(f.trace.find("F_ref")->value[2]));
+  EXPECT_EQ(f.trace.find("U")->value[2], 2.5);
+  EXPECT_THAT(f.notes, Contains(HasSubstr("\"U_V\": 2 values of 9.9e37 and more are an instrument's overload")));
+  EXPECT_THAT(f.notes, Contains(HasSubstr("misses 2 of 4 samples")));
+}
+
 TEST(ReadCsv, NamesLineAndColumnOfABadCell) {
   const auto e = refuse("t_s,F_ref_N\n0,1\n1,2\n2,x7\n");
   EXPECT_EQ(e.where, "x.csv:4:3");
