@@ -5,6 +5,7 @@
 
 #include "hil/diagnose/choose/code_jumps.h"
 #include "hil/diagnose/choose/flat_top.h"
+#include "hil/diagnose/choose/hold_growth.h"
 #include "hil/model/came_in.h"
 
 namespace forcegate::diagnose {
@@ -22,6 +23,8 @@ constexpr InPlace kTests[] = {
      "above it the output stands still, and right below it follows the force"},
     {"adc_codes", [](const CampaignInput& input, const Candidate& c) { return jumps_at_codes(input, lowest_code_V(input.bench), c.shape[0]); },
      "it jumps where the highest bits change, passage by passage, and nowhere midway"},
+    {"creep", [](const CampaignInput& input, const Candidate&) { return grows_in_holds(input); },
+     "where the force stands still it goes on under load and back after it, by one share of the load from hold to hold"},
 };
 
 const InPlace* test_of(const EffectKind& kind) {
