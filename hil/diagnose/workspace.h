@@ -103,6 +103,7 @@ struct Workspace {
   BaseLaw law;
   bool zero_wanders = true;         ///< EngineOptions
   bool decays_otherwise = false;    ///< the maxima decay, and not along `law`, which is static since
+  bool tells_swing = true;          ///< the records part the gain of the cycles from that of the rest (base_fit.h)
   double gain_V_per_N = 2.0;        ///< slope of the static law at the current fit
   std::vector<RecordShift> shifts;  ///< per record
   std::vector<double> noise_V;      ///< row noise of U at given F_ref, errors in variables included

@@ -23,6 +23,13 @@ constexpr int kShapes = 5, kWaves = 4, kSwing = 5, kFirstShape = 6;
 constexpr int kFirstWave = kFirstShape + kShapes, kColumns = kFirstWave + kWaves;
 constexpr double kShapeKnots_s[kShapes] = {3.0, 15.0, 60.0, 240.0, 900.0};
 constexpr double kLargestShift = 12.0;
+constexpr double kSwingPrior = 0.3;
+
+// The records say more of the swing than its prior does.
+bool tells_swing(const MixedFit& fit) {
+  constexpr double kOfPrior = 0.5;
+  return fit.covariance(kSwing, kSwing) < std::pow(kOfPrior * kSwingPrior, 2);
+}
 
 // Hats on log time: the decay factor may bend away from one exponential, differently in each record.
 std::array<double, kShapes> hats(double since_s) {
@@ -117,7 +124,7 @@ void add_drive_lag(const RecordInput& r, const std::vector<double>& command_N, c
   }
 }
 
-void set_repeatability(MixedProblem& problem, bool one_recording, bool zero_wanders) {
+void set_repeatability(MixedProblem& problem, bool one_recording, bool zero_wanders, bool tells_swing) {
   problem.nz = kColumns;
   // F_min, swing and shape of the decay too: a decay in volts, another lowest force than the one that was found, a stretched
   // exponential are the same in all records, and no spread between them
@@ -144,8 +151,9 @@ void set_repeatability(MixedProblem& problem, bool one_recording, bool zero_wand
   problem.component_of_z = {0, 1, 2, 3, 4, 5};
   for (int k = 0; k < kShapes; ++k) problem.component_of_z.push_back(6);
   for (int k = 0; k < kWaves; ++k) problem.component_of_z.push_back(7);
-  problem.fixed_prior_sd = Eigen::VectorXd::Constant(problem.n_fixed, 0.005);
-  problem.fixed_prior_sd.head(6) << 10.0, 10.0, 1.0, 1.0, 0.005, 0.3;
+  constexpr double kNone = 0.005;
+  problem.fixed_prior_sd = Eigen::VectorXd::Constant(problem.n_fixed, kNone);
+  problem.fixed_prior_sd.head(6) << 10.0, 10.0, 1.0, 1.0, kNone, tells_swing ? kSwingPrior : kNone;
 }
 
 void size_swing(MixedProblem& problem) {
@@ -309,7 +317,7 @@ void fit_base(Workspace& w, unsigned threads, const std::vector<Candidate>& besi
     MixedFit fit;
     for (int round = 0; round < rounds; ++round) {
       MixedProblem problem;
-      set_repeatability(problem, w.input.single, w.zero_wanders);
+      set_repeatability(problem, w.input.single, w.zero_wanders, w.tells_swing);
       problem.ns = ns;
       problem.column_prior_sd = Eigen::VectorXd::Constant(ns, kOpen);
       problem.column_prior_mean = Eigen::VectorXd::Zero(ns);
@@ -339,6 +347,10 @@ void fit_base(Workspace& w, unsigned threads, const std::vector<Candidate>& besi
       });
       fit = fit_mixed(problem, columns, nullptr, 15);
       if (!fit.valid) return fit;
+      if (w.law.decays && w.tells_swing && !tells_swing(fit)) {
+        w.tells_swing = false;
+        continue;
+      }
       for (std::size_t k = 0; k < n; ++k) {
         const double b = fit.coefficient[2] + fit.zeta[k][2], q = fit.coefficient[3] + fit.zeta[k][3];
         w.shifts[k].log_b += std::clamp(b - w.shifts[k].log_b, -0.5, 0.5);
@@ -370,6 +382,7 @@ void fit_base(Workspace& w, unsigned threads, const std::vector<Candidate>& besi
       w.gain_V_per_N = gain;
     } else {
       w.decays_otherwise = without.valid && own_courses_decay(w.input, without);
+      w.tells_swing = true;
       w.input.notes.emplace_back(w.decays_otherwise ? "the maxima decay, and not along the law of the model: each record's own course is taken for its decay"
                                                     : "no decay of the maxima is seen: the static law alone is the starting model");
     }

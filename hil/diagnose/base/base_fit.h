@@ -25,8 +25,9 @@ void add_waves(const RecordInput& record, const std::vector<std::size_t>& rows, 
 /// The ordinary lag of a drive behind its command as two columns of Z: (L_tau[C] - C) / scale, tau 30 and 100 ms.
 void add_drive_lag(const RecordInput& record, const std::vector<double>& command_N, const std::vector<std::size_t>& rows, double scale,
                    Eigen::Index first, Eigen::MatrixXd& Z);
-/// Sets nz, components and priors of the output channel.
-void set_repeatability(MixedProblem& problem, bool one_recording, bool zero_wanders);
+/// Sets nz, components and priors of the output channel. Without `tells_swing` the gain is that of the cycles: where all records are cyclic with one
+/// lowest force, a swing of its own size would take any part of the gain for itself, and zeros make up for it.
+void set_repeatability(MixedProblem& problem, bool one_recording, bool zero_wanders, bool tells_swing);
 /// Where cyclic records have one lowest force, a swing of its own size is a gain and a zero: static records part them, and where these are left
 /// out the prior alone does. What a record is foretold by (MixedProblem::plain_prior_sd) has a prior as wide as the law's own swing with its
 /// standard error.

@@ -255,7 +255,7 @@ ResidualChannel output_channel(const Workspace& w, unsigned threads, const std::
   ResidualChannel channel;
   channel.scale = w.input.U_range_V;
   channel.unit = w.output.unit;
-  set_repeatability(channel.problem, w.input.single, w.zero_wanders);
+  set_repeatability(channel.problem, w.input.single, w.zero_wanders, w.tells_swing);
   list_candidates(w, EffectChannel::output, true, channel, only != nullptr ? &only->families : nullptr, of_model);
   if (only != nullptr && only->is_read)
     for (Candidate& c : channel.candidates) c.is_read = only->is_read(c);
