@@ -13,7 +13,7 @@
 #include "hil/interface/dut.h"
 #include "hil/interface/rig.h"
 #include "hil/interface/run_result.h"
-#include "hil/rig/rig_witness.h"
+#include "hil/rig/rig_observation.h"
 #include "hil/rig/safety_gate.h"
 
 namespace forcegate {

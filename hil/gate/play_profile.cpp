@@ -8,6 +8,7 @@
 #include "hil/gate/settled_rows.h"
 #include "hil/interface/controller.h"
 #include "hil/rig/control_period.h"
+#include "hil/rig/rig_witness.h"
 #include "hil/rig/self_check.h"
 
 namespace forcegate {

@@ -8,7 +8,7 @@
 
 #include "hil/interface/rig.h"
 #include "hil/interface/stimulus.h"
-#include "hil/rig/rig_witness.h"
+#include "hil/rig/rig_observation.h"
 #include "hil/rig/safety_gate.h"
 
 namespace forcegate {

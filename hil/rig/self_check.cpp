@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "hil/rig/witness/spring_watch.h"
+
 namespace forcegate {
 namespace {
 
@@ -48,7 +50,7 @@ class SelfCheck {
     zero();
     reference();
     drive();
-    if (info_.geometry.eccentricity_mm > 0.0 && o_.spring_samples >= RigWitness::kLeastSpringSamples) spring();
+    if (info_.geometry.eccentricity_mm > 0.0 && o_.spring_samples >= witness::SpringWatch::kLeastSamples) spring();
     sensor();
     return std::move(checks_);
   }

@@ -7,7 +7,7 @@
 
 #include "hil/interface/check.h"
 #include "hil/interface/rig.h"
-#include "hil/rig/rig_witness.h"
+#include "hil/rig/rig_observation.h"
 
 namespace forcegate {
 

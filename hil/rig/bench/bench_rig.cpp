@@ -1,8 +1,5 @@
-// Rig "bench": real instruments, or wire-level twins of them, behind the one interface that the gate knows.
-//
-// The board's conversions are the rows and their clock. A row is placed on the bench's time by the earliest arrivals of
-// frames (hil/base/arrival_clock.h); reference and wheel angle are interpolated to it. Where the next reading of the
-// reference has not come yet, the last one stands in until it has.
+// Rig "bench": real instruments, or wire-level twins of them, behind the one interface that the gate knows. How their
+// streams become rows: hil/rig/bench/row_assembler.h.
 
 #include <fmt/format.h>
 
@@ -11,12 +8,11 @@
 #include <deque>
 #include <limits>
 
-#include "hil/base/arrival_clock.h"
 #include "hil/base/portable_math.h"
 #include "hil/base/read_file.h"
 #include "hil/base/text.h"
 #include "hil/base/utc_clock.h"
-#include "hil/rig/bench/passed_readings.h"
+#include "hil/rig/bench/row_assembler.h"
 #include "hil/rig/bench/swing_counter.h"
 #include "hil/rig/bench_session.h"
 #include "hil/rig/slow_move.h"
@@ -25,18 +21,19 @@
 namespace forcegate {
 namespace {
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr double kPeriod_s = 0.01;       // between two looks at the drive
-constexpr double kKept_s = 0.5;           // of readings, beyond the time that is known to be needed
 constexpr double kUsableTravel = 0.95;    // the rest is for control
 constexpr double kStartTolerance_rad = 0.02;
-constexpr double kTravelTolerance_rad = 1e-3;
-constexpr double kLongestHole = 2.0;  // in the board's samples, of the time that it may be silent
+
+RowFacts row_facts(const BenchFile& bench) {
+  return {bench.rate_Hz, bench.adc_bits, bench.geometry.theta_min_rad, bench.geometry.theta_max_rad,
+          bench.limits.board_stale_s, bench.limits.reference_stale_s};
+}
 
 class BenchRig final : public Rig, public Dut {
  public:
   BenchRig(BenchFile bench, std::map<std::string, std::string> options)
-      : bench_(std::move(bench)), options_(std::move(options)), info_(rig_info(bench_)) {}
+      : bench_(std::move(bench)), options_(std::move(options)), info_(rig_info(bench_)), rows_(row_facts(bench_)) {}
   ~BenchRig() override { BenchRig::park(); }
 
   RigInfo info() const override { return info_; }
@@ -90,14 +87,15 @@ class BenchRig final : public Rig, public Dut {
 
   Result<std::size_t> run(std::size_t n, RigBlock& out, std::size_t at) override {
     if (!begun_) return fail(ErrorCode::internal, "the bench was run before a record began");
-    block_first_ = index_ - std::min<std::uint64_t>(at, index_);
+    rows_.begin_block(at);
     const auto period = std::max<std::size_t>(1, static_cast<std::size_t>(kPeriod_s * info_.rate_Hz));
     for (std::size_t done = 0; done < n;) {
       const std::size_t chunk = std::min(n - done, period);
       FORCEGATE_CHECK_OK(safely(collect(chunk)));
-      for (std::size_t i = 0; i < chunk; ++i) fill_row(out, at + done + i);
+      for (std::size_t i = 0; i < chunk; ++i)
+        if (const auto sample = rows_.fill(out, at + done + i, commanded_rad_per_s_)) keep_answer(*sample);
       done += chunk;
-      refine(out, at + done);
+      rows_.refine(out, at + done);
     }
     return n;
   }
@@ -186,19 +184,9 @@ class BenchRig final : public Rig, public Dut {
   Result<void> start_stream() {
     FORCEGATE_CHECK_OK(session_->board().stop());
     FORCEGATE_CHECK_OK(session_->board().start());
-    t0_s_ = session_->world().now_s();
-    index_ = refined_ = 0;
-    arrived_ = 0;
-    row_clock_.begin(info_.rate_Hz, 2.0);
-    pending_.clear();
+    rows_.begin(session_->world().now_s(), theta_rad_);
     outputs_.clear();
-    // a row is asked for as late as the board may be silent, and looked at again until kRefineBack others have come
-    const double keep_s = bench_.limits.board_stale_s + bench_.limits.reference_stale_s + kKept_s + static_cast<double>(kRefineBack) / info_.rate_Hz;
-    forces_.begin(keep_s);
-    angles_.begin(t0_s_, theta_rad_, keep_s);
-    last_code_ = 0;
     force_N_ = std::numeric_limits<double>::quiet_NaN();
-    offset_s_ = t0_s_ + 1.0 / info_.rate_Hz;
     begun_ = true;
     return {};
   }
@@ -218,15 +206,15 @@ class BenchRig final : public Rig, public Dut {
   // Lets time go on until the board's next `chunk` samples are there, and looks at everything meanwhile.
   Result<void> collect(std::size_t chunk) {
     BenchWorld& world = session_->world();
-    const double due_s = offset_s_ + static_cast<double>(index_ + chunk - 1) / info_.rate_Hz;
+    const double due_s = rows_.due_s(chunk);
     FORCEGATE_CHECK_OK(world.advance_to(std::max(due_s, world.now_s())));
     session_->ticked(due_s);
     FORCEGATE_CHECK_OK(look());
     const double patience_s = world.now_s() + bench_.limits.board_stale_s;
-    while (pending_.size() < chunk) {
+    while (rows_.waiting() < chunk) {
       if (world.now_s() > patience_s)
         return with_fate(Result<void>(fail(
-            ErrorCode::timeout, fmt::format("the board has been silent for {:.0f} ms at sample {}", 1e3 * bench_.limits.board_stale_s, index_),
+            ErrorCode::timeout, fmt::format("the board has been silent for {:.0f} ms at sample {}", 1e3 * bench_.limits.board_stale_s, rows_.index()),
             "board", "check power and cable of the sensor board, and that its firmware still runs")));
       FORCEGATE_CHECK_OK(world.advance_to(world.now_s() + 0.2 * kPeriod_s));
       FORCEGATE_CHECK_OK(look());
@@ -240,79 +228,21 @@ class BenchRig final : public Rig, public Dut {
     session_->beat();
     theta_rad_ = state.theta_rad;
     turns_.see(theta_rad_);
-    motor_fault_ = state.fault;
-    angles_.take(state.t_s, state.theta_rad);
+    rows_.take(state);
     samples_.clear();
     FORCEGATE_CHECK_OK(session_->board().poll(samples_));
-    for (const BoardSample& s : samples_) {
-      // longer than a board may be silent: its indices are damaged
-      if (static_cast<double>(s.index) - static_cast<double>(arrived_) > kLongestHole * bench_.limits.board_stale_s * info_.rate_Hz)
-        return fail(ErrorCode::device, fmt::format("the board's sample {} is followed by sample {}", arrived_, s.index), "board",
-                    "look for a disturbed line, and whether the board restarts or counts its samples wrongly");
-      // The distance in time that a hole in the indices stands for is told by the index itself.
-      for (; arrived_ < s.index; ++arrived_) {
-        row_clock_.next(world.now_s());
-        pending_.push_back({{static_cast<std::uint32_t>(arrived_), 0, kNaN, 0}, true});
-      }
-      offset_s_ = row_clock_.next(world.now_s()) - static_cast<double>(s.index) / info_.rate_Hz;
-      ++arrived_;
-      pending_.push_back({s, false});
-    }
+    for (const BoardSample& s : samples_) FORCEGATE_CHECK_OK(rows_.take(s, world.now_s()));
     fresh_.clear();
     FORCEGATE_CHECK_OK(session_->reference().poll(fresh_));
-    forces_.take(fresh_);
+    rows_.take(fresh_);
     if (!fresh_.empty()) force_N_ = static_cast<double>(fresh_.back().force_N);
     return {};
   }
 
-  double row_time_s(std::uint64_t index) const { return offset_s_ + static_cast<double>(index) / info_.rate_Hz; }
-
-  void fill_row(RigBlock& out, std::size_t row) {
-    const auto [sample, lost] = pending_.front();
-    pending_.pop_front();
-    const double t_s = row_time_s(index_);
-    out.t_s[row] = static_cast<double>(index_) / info_.rate_Hz;
-    std::uint16_t status = motor_fault_ ? kRigMotorFault : 0;
-    if (lost) {
-      status |= kRigSampleLost;
-      out.adc[row] = last_code_;
-    } else {
-      out.adc[row] = last_code_ = sample.adc;
-      outputs_.push_back(sample);
-      while (outputs_.size() > kOutputs) outputs_.pop_front();  // a calibration asks for no forces
-      if (sample.adc == 0 || sample.adc == (1U << info_.adc_bits) - 1U) status |= kRigAdcRail;
-    }
-    const double theta = angles_.at(t_s);
-    out.theta_rad[row] = static_cast<float>(theta);
-    if ((theta >= bench_.geometry.theta_max_rad - kTravelTolerance_rad && commanded_rad_per_s_ > 0.0) ||
-        (theta <= bench_.geometry.theta_min_rad + kTravelTolerance_rad && commanded_rad_per_s_ < 0.0))
-      status |= kRigTravelStop;
-    out.status[row] = status;
-    set_force(out, row, t_s);
-    ++index_;
-  }
-
-  // True when the value is final: a reading behind the row exists.
-  bool set_force(RigBlock& out, std::size_t row, double t_s) {
-    constexpr std::uint16_t kMask = kRigReferenceSaturated | kRigReferenceFault;
-    out.status[row] = static_cast<std::uint16_t>(out.status[row] & ~kMask);
-    const ForceAt force = forces_.at(t_s, bench_.limits.reference_stale_s);
-    out.force_ref_N[row] = force.force_N;
-    out.status[row] = static_cast<std::uint16_t>(out.status[row] | force.status);
-    return force.is_final;
-  }
-
-  // Rows of this block that still stood on the last reading before them.
-  void refine(RigBlock& out, std::size_t rows) {
-    refined_ = std::max(refined_, block_first_);
-    const std::uint64_t end = block_first_ + rows;
-    bool final_so_far = true;
-    for (std::uint64_t i = refined_; i < end; ++i) {
-      const bool is_final = set_force(out, static_cast<std::size_t>(i - block_first_), row_time_s(i));
-      final_so_far = final_so_far && is_final;
-      if (final_so_far) refined_ = i + 1;
-    }
-    if (end > kRefineBack) refined_ = std::max(refined_, end - kRefineBack);
+  // Of the firmware on the board, until it is asked what it made of this sample; a calibration asks for no forces.
+  void keep_answer(const BoardSample& sample) {
+    outputs_.push_back(sample);
+    while (outputs_.size() > kOutputs) outputs_.pop_front();
   }
 
   // A board flashed by hand must not be judged for another build than the file; the image holds its build id as text (docs/protocol.md).
@@ -323,27 +253,17 @@ class BenchRig final : public Rig, public Dut {
                 "board", "flash this image, or name the program that does it under [board] flash");
   }
 
-  static constexpr std::size_t kOutputs = 8192, kRefineBack = 200;
+  static constexpr std::size_t kOutputs = 8192;
   BenchFile bench_;
   std::map<std::string, std::string> options_;
   RigInfo info_;
   std::unique_ptr<BenchSession> session_;
-  bool begun_ = false, motor_fault_ = false;
+  bool begun_ = false;
   double theta_rad_ = 0.0, force_N_ = std::numeric_limits<double>::quiet_NaN(), commanded_rad_per_s_ = 0.0;
-  double t0_s_ = 0.0, offset_s_ = 0.0;
-  std::uint64_t index_ = 0, block_first_ = 0, refined_ = 0, arrived_ = 0;
-  ArrivalClock row_clock_;
-  struct Arrival {
-    BoardSample sample;
-    bool lost;  ///< a hole in the indices stands for it
-  };
-  std::deque<Arrival> pending_;
+  RowAssembler rows_;
   std::deque<BoardSample> outputs_;
-  PassedForces forces_;
-  PassedAngles angles_;
   std::vector<BoardSample> samples_;
   std::vector<ReferenceReading> fresh_;
-  std::uint16_t last_code_ = 0;
   std::string logged_;  ///< specimen whose record is begun in the log
   SwingCounter turns_;
 };

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "hil/base/rng.h"
+#include "hil/rig/rig_witness.h"
 #include "tests/support/fake_rig.h"
 
 namespace forcegate {
