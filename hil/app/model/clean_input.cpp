@@ -15,7 +15,7 @@ Result<CampaignInput> clean_input(Campaign campaign, unsigned threads, const Row
     bad[k] = diagnose::clean_samples(campaign.records[k], scales, campaign.bench, false).health.bad;
   });
   FORCEGATE_TRY(CampaignInput out, make_campaign_input(campaign, threads, parts, bad));
-  parallel_for(out.records.size(), threads, [&](std::size_t k) { diagnose::settle_excitation(out.records[k]); });
+  diagnose::settle_excitations(out.records, threads);
   return out;
 }
 

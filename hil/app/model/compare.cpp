@@ -35,10 +35,8 @@ ModelComparison::AsWritten as_written(const RecordInput& r, const std::vector<do
 }
 
 Result<std::vector<ModelComparison::AsWritten>> as_written(const Model& model, CampaignInput rows, unsigned threads) {
-  for (RecordInput& r : rows.records) {
-    diagnose::settle_excitation(r);
-    set_decay(r, model.law);
-  }
+  diagnose::settle_excitations(rows.records, threads);
+  for (RecordInput& r : rows.records) set_decay(r, model.law);
   const CampaignInFrame input(model.frame, std::move(rows));
   const std::vector<RecordInput>& records = input.input().records;
   std::vector<Result<ModelComparison::AsWritten>> made(records.size());

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "hil/diagnose/base/base_fit.h"
+#include "hil/diagnose/base/repeatability.h"
 #include "hil/trace/extrema.h"
 
 namespace forcegate::diagnose {

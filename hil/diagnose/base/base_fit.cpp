@@ -1,55 +1,23 @@
 #include "hil/diagnose/base/base_fit.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <numeric>
 
 #include "hil/base/parallel.h"
 #include "hil/diagnose/base/own_decay.h"
+#include "hil/diagnose/base/repeatability.h"
 #include "hil/diagnose/raw/sample_noise.h"
 #include "hil/diagnose/workspace.h"
 #include "hil/model/rows.h"
-#include "hil/model/states.h"
 #include "hil/trace/static_line.h"
 
 namespace forcegate::diagnose {
 
 namespace {
 
-constexpr int kShapes = 5, kWaves = 4, kSwing = 5, kFirstShape = 6;
-constexpr int kFirstWave = kFirstShape + kShapes, kColumns = kFirstWave + kWaves;
-constexpr double kShapeKnots_s[kShapes] = {3.0, 15.0, 60.0, 240.0, 900.0};
 constexpr double kLargestShift = 12.0;
-constexpr double kSwingPrior = 0.3;
-
-// The records say more of the swing than its prior does.
-bool tells_swing(const MixedFit& fit) {
-  constexpr double kOfPrior = 0.5;
-  return fit.covariance(kSwing, kSwing) < std::pow(kOfPrior * kSwingPrior, 2);
-}
-
-// Hats on log time: the decay factor may bend away from one exponential, differently in each record.
-std::array<double, kShapes> hats(double since_s) {
-  static const std::array<double, kShapes> knot = [] {
-    std::array<double, kShapes> out;
-    for (int k = 0; k < kShapes; ++k) out[static_cast<std::size_t>(k)] = std::log(kShapeKnots_s[k] + 1.0);
-    return out;
-  }();
-  std::array<double, kShapes> out{};
-  if (since_s <= 0.0) return out;
-  const double x = std::log(since_s + 1.0);
-  for (std::size_t k = 0; k < out.size(); ++k) {
-    const double left = k == 0 ? 0.0 : knot[k - 1];
-    if (x <= knot[k])
-      out[k] = std::clamp((x - left) / (knot[k] - left), 0.0, 1.0);
-    else
-      out[k] = k + 1 == out.size() ? 1.0 : std::clamp((knot[k + 1] - x) / (knot[k + 1] - knot[k]), 0.0, 1.0);
-  }
-  return out;
-}
 
 std::uint64_t mixed(std::uint64_t x) {
   x += 0x9e3779b97f4a7c15ull;
@@ -105,97 +73,6 @@ std::vector<std::size_t> choose_rows(const RecordInput& record, std::size_t limi
   return out;
 }
 
-void add_waves(const RecordInput& r, const std::vector<std::size_t>& rows, Eigen::Index first, int count, Eigen::MatrixXd& Z) {
-  const bool is_block = !rows.empty() && r.t_s[rows.back()] - r.t_s[rows.front()] < 0.5 * r.duration_s;
-  for (int k = 0; k < count; ++k) {
-    if (!(r.duration_s > 60.0 * (k + 1))) continue;
-    auto wave = Z.col(first + k);
-    for (std::size_t j = 0; j < rows.size(); ++j) wave[static_cast<Eigen::Index>(j)] = std::cos(std::numbers::pi * (k + 1) * r.t_s[rows[j]] / r.duration_s);
-    if (is_block) wave.array() -= wave.mean();  // which is the zero's
-  }
-}
-
-void add_drive_lag(const RecordInput& r, const std::vector<double>& command_N, const std::vector<std::size_t>& rows, double scale,
-                   Eigen::Index first, Eigen::MatrixXd& Z) {
-  for (const double pole_s : {0.03, 0.1}) {
-    const std::vector<double> late = low_pass_channel(r, command_N, pole_s, command_N[0]);
-    for (std::size_t j = 0; j < rows.size(); ++j) Z(static_cast<Eigen::Index>(j), first) = (late[rows[j]] - command_N[rows[j]]) / scale;
-    ++first;
-  }
-}
-
-void set_repeatability(MixedProblem& problem, bool one_recording, bool zero_wanders, bool tells_swing) {
-  problem.nz = kColumns;
-  // F_min, swing and shape of the decay too: a decay in volts, another lowest force than the one that was found, a stretched
-  // exponential are the same in all records, and no spread between them
-  problem.n_fixed = kFirstShape + kShapes;
-  problem.components = {{"gain", 0.02, 0.002, 0.5},  {"offset", 0.01, 0.001, 0.5},
-                        {"log_b", 0.25, 0.05, 0.5},  {"log_q", 0.14, 0.03, 0.5},
-                        {"F_min", 0.01, 0.001, 0.5}, {"swing", 0.03, 0.003, 0.5},
-                        {"shape", 0.02, 0.003, 0.5}, {"wander", 0.002, 3e-4, 0.5}};
-  // the record that is left out may be the only one that decays: the others do not tell of its decay, whatever is asked beside it
-  if (!one_recording)
-    for (std::size_t k = 2; k < problem.components.size(); ++k) problem.components[k].nuisance = problem.components[k].name != "wander";
-  // blocks of one recording are the same machine, not touched in between: what changes there is the residual's business, and slow waves of
-  // each block by itself would take what a slow lag does
-  if (one_recording)
-    for (std::size_t k = 0; k < problem.components.size(); ++k) {
-      VarianceComponent& c = problem.components[k];
-      const bool is_level = k == 0 || k == 1;
-      c.nuisance = is_level;  // the part that is left out may be the only one that tells of the gain
-      if (zero_wanders && !is_level) continue;
-      c.prior_weight = zero_wanders ? 50.0 : 1e6;
-      if (!zero_wanders) c.prior_sd = 1e-5;
-      c.start_sd = c.prior_sd;
-    }
-  problem.component_of_z = {0, 1, 2, 3, 4, 5};
-  for (int k = 0; k < kShapes; ++k) problem.component_of_z.push_back(6);
-  for (int k = 0; k < kWaves; ++k) problem.component_of_z.push_back(7);
-  constexpr double kNone = 0.005;
-  problem.fixed_prior_sd = Eigen::VectorXd::Constant(problem.n_fixed, kNone);
-  problem.fixed_prior_sd.head(6) << 10.0, 10.0, 1.0, 1.0, kNone, tells_swing ? kSwingPrior : kNone;
-}
-
-void size_swing(MixedProblem& problem) {
-  const MixedFit fit = fit_mixed(problem, {});
-  if (!fit.valid) return;
-  const double size = std::sqrt(std::pow(fit.coefficient[kSwing], 2) + std::max(0.0, fit.covariance(kSwing, kSwing)));
-  problem.plain_prior_sd = problem.fixed_prior_sd;
-  problem.plain_prior_sd[kSwing] = std::min(problem.fixed_prior_sd[kSwing], size);
-}
-
-Eigen::MatrixXd repeatability_columns(const Workspace& w, std::size_t index,
-                                      const std::vector<std::size_t>& rows) {
-  const RecordInput& r = w.input.records[index];
-  Eigen::MatrixXd Z = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows.size()), kColumns);
-  const double g = w.gain_V_per_N / w.input.U_range_V;
-  const double b = w.law.decay_rate_per_s(r.f_Hz) * std::exp(w.shifts[index].log_b);
-  const double q = w.law.depth_ratio(r.A_N) * std::exp(w.shifts[index].log_q);
-  for (std::size_t j = 0; j < rows.size(); ++j) {
-    const std::size_t i = rows[j];
-    const auto row = static_cast<Eigen::Index>(j);
-    const double since = r.t_s[i] - r.onset_s, swing = r.F_N[i] - r.F_min_N;
-    const bool decays = r.dynamic && w.law.decays && since > 0.0;
-    const double e = decays ? std::exp(-b * since) : 1.0, D = decays ? (e + q) / (1.0 + q) : 1.0;
-    Z(row, 0) = g * (r.F_min_N + D * swing);
-    Z(row, 1) = 1.0;
-    if (r.dynamic) {
-      if (decays) {
-        Z(row, 2) = g * swing * (-b * since * e) / (1.0 + q);
-        Z(row, 3) = g * swing * q * (1.0 - e) / ((1.0 + q) * (1.0 + q));
-        Z(row, 4) = (1.0 - D) * g * w.input.range_N;
-        // laws a(A), c(A) in volts do not start at the static gain: the swing has a size of its own
-        Z(row, kSwing) = g * D * swing;
-      }
-      const auto shape = hats(since);
-      for (int k = 0; k < kShapes; ++k)
-        Z(row, kFirstShape + k) = g * swing * shape[static_cast<std::size_t>(k)];
-    }
-  }
-  add_waves(r, rows, kFirstWave, kWaves, Z);
-  return Z;
-}
-
 namespace {
 
 // Where the law's constants are far off (a sensor of another range), the search starts from the record's own.
@@ -209,12 +86,15 @@ RecordShift start_of(const Workspace& w, const RecordInput& r, const OwnDecay& o
 
 // Records that nobody declared are cyclic where their own decay explains most of what a straight line leaves.
 void choose_excitation(Workspace& w, const std::vector<std::vector<std::size_t>>& rows) {
-  for (std::size_t k = 0; k < w.input.records.size(); ++k) {
+  std::vector<OwnDecay> own(w.input.records.size());
+  for (std::size_t k = 0; k < own.size(); ++k)
+    if (w.input.records[k].dynamic) own[k] = own_decay(w.input.records[k], rows[k]);
+  const bool others_decay = std::ranges::any_of(own, [](const OwnDecay& o) { return o.is_decay(); });
+  for (std::size_t k = 0; k < own.size(); ++k) {
     RecordInput& r = w.input.records[k];
     if (!r.dynamic) continue;
-    const OwnDecay own = own_decay(r, rows[k]);
-    if (own.is_decay()) {
-      w.shifts[k] = start_of(w, r, own);
+    if (own[k].is_decay(others_decay)) {
+      w.shifts[k] = start_of(w, r, own[k]);
     } else if (r.dynamic_assumed) {
       // a change of frequency is looked for where nothing decays too: D stays at 1
       r.found_static = true;
@@ -232,10 +112,7 @@ bool own_courses_decay(const CampaignInput& input, const MixedFit& fit) {
   for (std::size_t k = 0; k < input.records.size(); ++k) {
     const RecordInput& r = input.records[k];
     if (!r.dynamic || r.t_s.empty()) continue;
-    const auto shape = hats(r.t_s.back() - r.onset_s);
-    double change = 0.0;
-    for (int j = 0; j < kShapes; ++j) change += shape[static_cast<std::size_t>(j)] * (fit.coefficient[kFirstShape + j] + fit.zeta[k][kFirstShape + j]);
-    if (change < -kLoses * std::max(0.1, fit.coefficient[0] + fit.zeta[k][0])) return true;
+    if (bend_of(fit, k, r.t_s.back() - r.onset_s) < -kLoses * std::max(0.1, fit.coefficient[0] + fit.zeta[k][0])) return true;
   }
   return false;
 }
@@ -269,14 +146,12 @@ double slope_at_rest(const CampaignInput& input) {
   return FF > all * least_N * least_N ? FU / FF : 0.0;
 }
 
-// Without a decay, which bends them but slowly.
 Eigen::MatrixXd columns_beside(const Workspace& w, const RecordInput& of, const std::vector<Candidate>& beside, const std::vector<std::size_t>& rows) {
   int count = 0;
   for (const Candidate& c : beside) count += c.count;
   Eigen::MatrixXd out(static_cast<Eigen::Index>(rows.size()), count);
   if (count == 0) return out;
   RecordInput record = of;
-  record.decay.assign(record.rows(), 1.0);
   record.wanted.clear();
   Eigen::Index at = 0;
   for (const Candidate& c : beside) {
@@ -306,9 +181,15 @@ void fit_base(Workspace& w, unsigned threads, const std::vector<Candidate>& besi
   constexpr double kOpen = 1.0;                 // of the span: whatever they need
   constexpr double kAbout = 0.3, kLeast = 0.02; // of what is written, of the span
   std::vector<Eigen::MatrixXd> S(n);
+  const auto set_decays = [&] { parallel_for(n, threads, [&](std::size_t k) { set_decay(w.input.records[k], w.law, w.shifts[k].log_b, w.shifts[k].log_q); }); };
   // the first block of a recording has its rows and its force at full rate for all of them
   const auto whole = [&](std::size_t k) { return std::ranges::find(w.input.records, w.input.records[k].recording, &RecordInput::recording); };
-  parallel_for(n, threads, [&](std::size_t k) { S[k] = columns_beside(w, *whole(k), beside, rows[k]); });
+  // what is late decays as the rest does: a lag that did not would take a share of the decay
+  const auto fill_beside = [&] {
+    set_decays();
+    parallel_for(n, threads, [&](std::size_t k) { S[k] = columns_beside(w, *whole(k), beside, rows[k]); });
+  };
+  fill_beside();
   const auto ns = static_cast<int>(S.front().cols());
   std::vector<int> columns(static_cast<std::size_t>(ns));
   std::iota(columns.begin(), columns.end(), 0);
@@ -316,6 +197,7 @@ void fit_base(Workspace& w, unsigned threads, const std::vector<Candidate>& besi
   const auto run = [&](int rounds) {
     MixedFit fit;
     for (int round = 0; round < rounds; ++round) {
+      if (!beside.empty()) fill_beside();
       MixedProblem problem;
       set_repeatability(problem, w.input.single, w.zero_wanders, w.tells_swing);
       problem.ns = ns;
@@ -363,6 +245,7 @@ void fit_base(Workspace& w, unsigned threads, const std::vector<Candidate>& besi
     return fit;
   };
 
+  MixedFit chosen;
   bool any_dynamic = false;
   for (const RecordInput& r : w.input.records) any_dynamic |= r.dynamic;
   if (any_dynamic && w.law.decays) {
@@ -380,18 +263,19 @@ void fit_base(Workspace& w, unsigned threads, const std::vector<Candidate>& besi
       w.law = decaying;
       w.shifts = shifts;
       w.gain_V_per_N = gain;
+      chosen = std::move(with);
     } else {
       w.decays_otherwise = without.valid && own_courses_decay(w.input, without);
       w.tells_swing = true;
+      chosen = std::move(without);
       w.input.notes.emplace_back(w.decays_otherwise ? "the maxima decay, and not along the law of the model: each record's own course is taken for its decay"
                                                     : "no decay of the maxima is seen: the static law alone is the starting model");
     }
   } else {
-    run(2);
+    chosen = run(2);
   }
-  parallel_for(n, threads, [&](std::size_t k) {
-    set_decay(w.input.records[k], w.law, w.shifts[k].log_b, w.shifts[k].log_q);
-  });
+  set_decays();
+  if (chosen.valid) parallel_for(n, threads, [&](std::size_t k) { follow_course(chosen, k, w.input.records[k]); });
   set_noise(w, threads);
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "hil/base/parallel.h"
 #include "hil/diagnose/base/base_fit.h"
 #include "hil/model/rows.h"
 
@@ -90,9 +91,13 @@ OwnDecay decay_about(double F_min_N, const RecordInput& r, const std::vector<std
 
 OwnDecay own_decay(const RecordInput& record, const std::vector<std::size_t>& rows, Rates rates) { return decay_about(record.F_min_N, record, rows, rates); }
 
-bool OwnDecay::is_decay() const {
-  constexpr double kExplains = 0.6;
-  return mean_square < (1.0 - kExplains) * static_mean_square && depth > 0.03;
+bool OwnDecay::is_decay(bool others_decay) const {
+  struct Least {
+    double share, depth;
+  };
+  constexpr Least kAlone{0.6, 0.03}, kBesideOthers{0.1, 0.005};
+  const Least least = others_decay ? kBesideOthers : kAlone;
+  return mean_square < (1.0 - least.share) * static_mean_square && depth > least.depth;
 }
 
 bool decays_by_itself(const RecordInput& record) {
@@ -113,12 +118,21 @@ double lowest_force_of_decay(const RecordInput& record) {
   return found;
 }
 
-void settle_excitation(RecordInput& record) {
-  if (!record.dynamic) return;
-  record.F_min_N = lowest_force_of_decay(record);
-  if (!record.dynamic_assumed || !record.frequency_jumps_s.empty() || decays_by_itself(record)) return;
-  record.found_static = true;
-  set_static(record);
+void settle_excitations(std::vector<RecordInput>& records, unsigned threads) {
+  std::vector<OwnDecay> own(records.size());
+  parallel_for(records.size(), threads, [&](std::size_t k) {
+    RecordInput& r = records[k];
+    if (!r.dynamic) return;
+    r.F_min_N = lowest_force_of_decay(r);
+    own[k] = own_decay(r, choose_rows(r, kRows));
+  });
+  const bool others_decay = std::ranges::any_of(own, [](const OwnDecay& o) { return o.is_decay(); });
+  for (std::size_t k = 0; k < records.size(); ++k) {
+    RecordInput& r = records[k];
+    if (!r.dynamic || !r.dynamic_assumed || !r.frequency_jumps_s.empty() || own[k].is_decay(others_decay)) continue;
+    r.found_static = true;
+    set_static(r);
+  }
 }
 
 double left_by_decay(const RecordInput& record) {

@@ -17,8 +17,9 @@ struct OwnDecay {
   double depth = 0.0;  ///< c2 / c1
   double static_mean_square = 0.0, mean_square = 0.0;  ///< V^2
 
-  /// It explains most of what the others leave.
-  bool is_decay() const;
+  /// It explains most of what the other columns leave, and is 3 % deep; where others of the sensor's records decay so, a tenth and half a percent: edges
+  /// that the columns of lag do not follow leave more than a small decay does.
+  bool is_decay(bool others_decay = false) const;
 };
 
 /// A rate of the grid is off by up to a third of itself. That is enough where a fit begins with it; what a decay leaves needs the rate between.
@@ -30,9 +31,9 @@ bool decays_by_itself(const RecordInput& record);
 /// F_min, N, about which the swing of a cyclic record decays: another one that may be meant (RecordInput::other_F_min_N) where the record's own
 /// decay is clearly less by it, what was found otherwise.
 double lowest_force_of_decay(const RecordInput& record);
-/// Of a cyclic record: its lowest force so, and where nobody declared the cycling and its swing does not decay by itself, it is static: as a comparison
-/// takes it, whatever law it is compared with.
-void settle_excitation(RecordInput& record);
+/// Of cyclic records: their lowest force so, and where nobody declared the cycling and the swing does not decay by itself, they are static: as a
+/// comparison takes them, whatever law it is compared with.
+void settle_excitations(std::vector<RecordInput>& records, unsigned threads);
 /// Mean square, V^2, that a straight line whose slope decays from the record's onset on leaves of it, at the best rate and depth.
 double left_by_decay(const RecordInput& record);
 

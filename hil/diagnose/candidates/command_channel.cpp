@@ -9,7 +9,7 @@
 #include <cstdio>
 
 #include "hil/base/quantile.h"
-#include "hil/diagnose/base/base_fit.h"
+#include "hil/diagnose/base/repeatability.h"
 #include "hil/diagnose/candidates/signatures.h"
 #include "hil/diagnose/workspace.h"
 #include "hil/model/record_input.h"

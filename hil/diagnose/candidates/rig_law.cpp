@@ -11,7 +11,7 @@
 
 #include "hil/base/quantile.h"
 #include "hil/base/parallel.h"
-#include "hil/diagnose/base/base_fit.h"
+#include "hil/diagnose/base/repeatability.h"
 #include "hil/diagnose/candidates/command_jumps.h"
 #include "hil/diagnose/candidates/signatures.h"
 #include "hil/diagnose/workspace.h"

@@ -5,6 +5,7 @@
 
 #include "hil/base/largest_first.h"
 #include "hil/diagnose/base/base_fit.h"
+#include "hil/diagnose/base/repeatability.h"
 #include "hil/diagnose/workspace.h"
 #include "hil/model/rows.h"
 #include "hil/model/states.h"

@@ -25,7 +25,7 @@ constexpr double kOfSmoothed = 0.5;
 constexpr double kOfJitterOfCodes = 0.1;
 // a law has one strength: scatter between records, relative to it. A loop or a growth has no form that is right everywhere; a push from
 // the side, a displacement current, a threshold, a shift in time are known courses, and so is a temperature within a record
-constexpr double kSameStrength = 1.0, kSameOfKnownForm = 0.35;
+constexpr double kSameStrength = 0.5, kSameOfKnownForm = 0.35;
 // the same where it takes nearly all that is left: a course that bends a little less or more is a matter of its form
 constexpr double kSameOfNearlyAll = 0.7;
 
