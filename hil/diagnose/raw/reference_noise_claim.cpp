@@ -8,6 +8,25 @@
 
 namespace forcegate::diagnose {
 
+namespace {
+
+HealthClaim claim_of(double probability, double found, const std::string& beside) {
+  return {"reference_noise", probability, "the reference scatters by " + plain_number(found) + " N " + beside, "noise_N", "N", found, 0.05 * found};
+}
+
+// Nobody said what it may scatter by: a cell that is far noisier than the sensor that it is there for is worth a look, and no claim.
+std::optional<HealthClaim> undeclared(double found, const std::vector<RecordHealth>& health, const HealthScales& scales) {
+  constexpr double kListed = 0.4, kLeast = 0.01, kTimes = 4.0;  // kLeast: of the range
+  std::vector<double> output;
+  for (const RecordHealth& h : health) output.push_back(h.noise_U_V);
+  if (output.empty() || scales.gain_V_per_N == 0.0 || !(found > kLeast * scales.range_N)) return std::nullopt;
+  const double sensor_N = quantile(output, 0.5) / std::abs(scales.gain_V_per_N);
+  if (!(found > kTimes * sensor_N)) return std::nullopt;
+  return claim_of(kListed, found, "and the output by " + plain_number(sensor_N) + " N; not claimed: nothing is declared that it could be held against (reference_noise_N)");
+}
+
+}  // namespace
+
 std::optional<HealthClaim> claim_of_reference_noise(const std::vector<RecordHealth>& health,
                                                     const HealthScales& scales, const BenchFacts& bench) {
   constexpr double kLeast = 0.0025;  // of the range
@@ -41,14 +60,9 @@ std::optional<HealthClaim> claim_of_reference_noise(const std::vector<RecordHeal
   const bool scatters = noise_declared ? moving > kAbove * allowed || still > kAboveStill * allowed_still
                                        : resolution_declared && moving > kAboveSteps * allowed;
   const double found = noise_declared ? std::max(moving, still) : moving;
+  if (!noise_declared && !resolution_declared) return undeclared(found, health, scales);
   if (!(allowed > 0.0) || !scatters || !(found > kLeast * scales.range_N)) return std::nullopt;
-  return HealthClaim{"reference_noise",
-                     0.93,
-                     "the reference scatters by " + plain_number(found) + " N where " + plain_number(allowed) + " N are allowed",
-                     "noise_N",
-                     "N",
-                     found,
-                     0.05 * found};
+  return claim_of(0.93, found, "where " + plain_number(allowed) + " N are allowed");
 }
 
 }  // namespace forcegate::diagnose

@@ -102,7 +102,8 @@ const Row kRows[] = {
        for (RecordGram& r : a.channel.problem.records) r.noise_variance = r.allowed_variance = 0.1;
        a.chosen.fall = a.family.best.total_fall = 0.9;
      }},
-    {Refusal::differs, "of a form that is only nearly right", [](Asked& a) { a.chosen.strength_scatter = 1.1, a.chosen.left_out.improved = 3; }},
+    {Refusal::differs, "of a form that is only nearly right", [](Asked& a) { a.chosen.strength_scatter = 0.6, a.chosen.left_out.improved = 3; }},
+    {Refusal::none, "within a half", [](Asked& a) { a.chosen.strength_scatter = 0.45, a.chosen.left_out.improved = 3; }},
     {Refusal::none, "but every record gains", [](Asked& a) { a.chosen.strength_scatter = 1.1; }},
     {Refusal::differs, "of a known form", [](Asked& a) { a.kind.traits.known_form = true, a.chosen.strength_scatter = 0.4, a.chosen.fall = 0.8; }},
     {Refusal::within_form, "", [](Asked& a) { a.kind.name = "static_nonlinearity", a.took(a.loop, false), a.removed_before = 10.0; }},

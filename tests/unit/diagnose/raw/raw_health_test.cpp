@@ -249,6 +249,23 @@ TEST(RawHealth, AReferenceNoisierThanDeclaredIsSeenWhereTheOutputStandsStill) {
   EXPECT_NEAR(noisy[0].value, std::hypot(0.0094, 0.03 * std::sqrt(0.5)), 0.004);
 }
 
+TEST(RawHealth, AReferenceFarNoisierThanTheSensorIsListedWhereNothingIsDeclared) {
+  const auto with_noise = [](double noise_N) {
+    Campaign c = make_campaign(35, straight);
+    c.bench.reference_resolution_N = c.bench.reference_noise_N = kMissing;
+    Rng rng(36, "reference");
+    for (Record& r : c.records)
+      for (double& F : r.trace.find("F_ref")->value) F += noise_N * rng.normal();
+    return claims_of_samples(c);
+  };
+  EXPECT_TRUE(with_noise(0.01).empty());
+  const std::vector<HealthClaim> noisy = with_noise(0.08);
+  ASSERT_EQ(noisy.size(), 1u);
+  EXPECT_EQ(noisy[0].effect, "reference_noise");
+  EXPECT_LT(noisy[0].probability, kClaim);
+  EXPECT_NEAR(noisy[0].value, 0.08, 0.01);
+}
+
 // Noise behind the limit breaks the flat top into short runs, and they are no held samples.
 TEST(RawHealth, AnOutputThatStopsBelowItsNoiseHoldsNoSamples) {
   Campaign c = make_campaign(44, straight);
