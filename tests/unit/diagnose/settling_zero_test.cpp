@@ -35,7 +35,7 @@ std::vector<double> creeps(const std::vector<double>& F, double share) {
 }
 
 Diagnosis answer_to(const std::function<double(double)>& load_N, bool zero_settles, double creep) {
-  return answer(recording(
+  Campaign campaign = recording(
       kRate_Hz, kSamples, load_N,
       [&](const std::vector<double>& t, const std::vector<double>& F) {
         const std::vector<double> grown = creeps(F, creep);
@@ -43,7 +43,9 @@ Diagnosis answer_to(const std::function<double(double)>& load_N, bool zero_settl
         for (std::size_t i = 0; i < F.size(); ++i) U.push_back(0.05 + 0.4 * (F[i] + grown[i] + (zero_settles ? settles(t[i]) : 0.0)));
         return U;
       },
-      0.004));
+      0.004);
+  campaign.records.front().dynamic = false;
+  return answer(std::move(campaign));
 }
 
 const Finding* creep_of(const Diagnosis& d) {
