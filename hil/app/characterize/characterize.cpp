@@ -8,10 +8,10 @@
 #include <memory>
 
 #include "golden/compare/lebosse_oracle.h"
+#include "hil/app/characterize/recordings.h"
 #include "hil/app/files/find_plan.h"
 #include "hil/app/files/write_file.h"
 #include "hil/base/text.h"
-#include "hil/characterize/recording.h"
 #include "hil/interface/dut.h"
 #include "hil/report/characterization/data_sheet.h"
 #include "hil/report/characterization/golden_traces.h"
@@ -68,6 +68,7 @@ Result<void> write_output(const CharacterizeRequest& request, const Characteriza
       if (const int before = used[name]++; before > 0) name += fmt::format("-{}", before + 1);
       FORCEGATE_CHECK_OK(writer.write(request.output / (name + ".toml"), calibration_text(sheet)));
     }
+    if (const auto both = sheet_of_both(study)) FORCEGATE_CHECK_OK(writer.write(request.output / ("calibration-" + study.sensor + "-identified.toml"), calibration_text(*both)));
   }
   return {};
 }
@@ -86,43 +87,6 @@ Result<void> write_paper(const CharacterizeRequest& request, const Characterizat
     for (const SensorStudy& study : made.studies)
       for (const GoldenTrace& trace : golden_traces(study, made.plan))
         FORCEGATE_CHECK_OK(writer.write(request.golden / (trace.name + ".csv"), golden_text(trace)));
-  return {};
-}
-
-// The name of its file; with that of its folder where another recording has the same.
-std::string name_of_recording(const fs::path& path, const std::vector<fs::path>& all) {
-  const auto is_other = [&](const fs::path& other) { return other != path && other.filename() == path.filename(); };
-  return std::ranges::any_of(all, is_other) ? (fs::absolute(path).parent_path().filename() / path.filename()).string() : path.filename().string();
-}
-
-Result<void> study_recordings(const CharacterizeRequest& request, characterize::BenchProgress& progress,
-                              Characterization& out) {
-  SensorStudy study;
-  study.sensor = request.sensors.size() == 1 ? request.sensors.front() : "recording";
-  std::map<std::string, std::size_t> sheet_of;  // by what the recording holds
-  for (const fs::path& path : request.recordings) {
-    auto options = request.rig_options;
-    options["record"] = path.string();
-    FORCEGATE_TRY(const auto rig, make_rig(request.rig, options));
-    // a copy is no second session: its spread of 0 would be told for that of the sensor
-    const RigInfo info = rig->info();
-    if (const auto digest = info.details.find("record_sha256"); digest != info.details.end()) {
-      const auto [known, is_new] = sheet_of.emplace(digest->second, study.sheets.size());
-      if (!is_new) {
-        study.sheets[known->second].notes.push_back(path.filename().string() + " is the same recording: it is counted once");
-        continue;
-      }
-    }
-    const std::string name = name_of_recording(path, request.recordings);
-    Result<SessionSheet> made = characterize::characterize_recording(*rig, name, progress);
-    if (!made && made.error().where == name) made.error().where = path.string();
-    FORCEGATE_TRY(SessionSheet sheet, std::move(made));
-    study.rig_time_s += static_cast<double>(sheet.samples) / rig->info().rate_Hz;
-    study.samples += sheet.samples;
-    study.sheets.push_back(std::move(sheet));
-  }
-  characterize::summarise(study, out.plan);
-  out.studies.push_back(std::move(study));
   return {};
 }
 
@@ -202,10 +166,12 @@ Result<Characterization> characterize_request(const CharacterizeRequest& request
   Characterization out;
   characterize::BenchProgress state;
   state.cancelled = cancelled;
-  if (!request.recordings.empty())
-    FORCEGATE_CHECK_OK(study_recordings(request, state, out));
-  else
+  if (!request.recordings.empty()) {
+    FORCEGATE_TRY(SensorStudy study, study_recordings(request, out.plan, state));
+    out.studies.push_back(std::move(study));
+  } else {
     FORCEGATE_CHECK_OK(study_rig(request, progress, state, out));
+  }
   const Error* first = nullptr;
   bool sound = false;
   for (const SensorStudy& s : out.studies) {

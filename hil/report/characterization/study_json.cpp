@@ -83,7 +83,8 @@ Json of(const SessionSheet& s) {
 
 }  // namespace
 
-std::string study_json(const std::vector<SensorStudy>& studies, const StudyPlan& plan, bool sessions) {
+std::string study_json(const std::vector<SensorStudy>& studies, const StudyPlan& plan, bool sessions,
+                       const std::vector<std::filesystem::path>& files) {
   Json root{{"format", 1},
             {"kind", "characterization"},
             {"plan", plan.name},
@@ -126,6 +127,7 @@ std::string study_json(const std::vector<SensorStudy>& studies, const StudyPlan&
                              {"sd", json_number<Json>(c.spread)},
                              {"specimens", c.specimens},
                              {"inside", c.inside()}});
+  for (const std::filesystem::path& file : files) root["files"].push_back(file.string());
   return root.dump(1) + "\n";
 }
 
