@@ -14,6 +14,7 @@
 #include "hil/trace/conductance.h"
 #include "hil/trace/convert.h"
 #include "hil/trace/declared_facts.h"
+#include "hil/trace/plausible_sizes.h"
 #include "hil/trace/recording_files.h"
 #include "hil/trace/sensor_name.h"
 
@@ -54,6 +55,7 @@ void load(Reading& reading, const CampaignOptions& options) {
     reading.result = tl::unexpected(std::move(read).error());
     return;
   }
+  if (reading.result = check_plausible_sizes(read->trace, read->headers, reading.file); !reading.result) return;
   reading.notes = std::move(read->notes);
   reading.mapped = std::move(read->mapped);
   reading.sensor = std::move(read->sensor);
