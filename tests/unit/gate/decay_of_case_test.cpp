@@ -28,7 +28,7 @@ CaseResult result_of(double (*height_N)(int n)) {
 }
 
 TEST(DecayOfCase, IsToldOfCyclesOfOneHeight) {
-  const CaseResult sine = result_of([](int n) { return n < 3 ? 2.0 : 4.0 + 0.01 * (n % 3); });
+  const CaseResult sine = result_of([](int n) { return n == 0 ? 3.5 : 4.0 + 0.01 * (n % 3); });
   ASSERT_TRUE(sine.decay.valid);
   EXPECT_NEAR(sine.decay.b_per_s, 0.006, 0.0005);
 }
