@@ -8,6 +8,7 @@
 #include "hil/app/characterize/weight_study.h"
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
+#include "hil/cli/verbs/force_row.h"
 #include "hil/cli/verbs/rig_choice.h"
 #include "hil/report/capacitance/weight_json.h"
 #include "hil/report/characterization/paper_claims.h"
@@ -124,6 +125,7 @@ Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const std::int64_t threads, in.integer("threads", 0, 1024));
   request.threads = static_cast<unsigned>(threads);
   request.output = in.text("output");
+  request.overwrite = in.flag("force");
   request.paper = in.text("paper");
   request.golden = in.text("golden");
   request.command_line = without_threads(in.command_line());
@@ -224,7 +226,8 @@ const Registration<Command> kRow{Command{
           {.name = "threads",
            .value_name = "N",
            .doc = "0: one per processor. The answer does not depend on it.",
-           .fallback = "0"}}}),
+           .fallback = "0"},
+          force_row()}}),
     .examples = {{"forcegate characterize --specimen q50 --sessions 1 -o q50",
                   "One sensor: data sheet, model, calibration (seconds):"},
                  {"forcegate characterize --paper docs", "The whole study and docs/paper.md (minutes):"},
