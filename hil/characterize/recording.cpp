@@ -180,6 +180,7 @@ void describe_cycles(SessionSheet& sheet, SteadyStretch stretch, const Columns& 
       d.minima_drift_pct);
   add(sheet, "recording.wander", "Wandering of single maxima, share of the swing", "%", d.wander_pct);
   describe_decay_of(sheet, d, fall, from_rest);
+  if (!from_rest) d.fit.a_V = d.fit.c_V = d.fit.u_a_V = d.fit.u_c_V = std::nan("");  // null in study.json
   sheet.decays.push_back(std::move(d));
 }
 

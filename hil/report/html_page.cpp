@@ -93,7 +93,6 @@ std::string html_document(const HtmlPage& page) {
   std::string out = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n";
   out += "<meta http-equiv=\"Content-Security-Policy\" content=\"" + policy + "\">\n";
   out += "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n";
-  out += "<meta name=\"generator\" content=\"forcegate\">\n";
   out += "<meta name=\"color-scheme\" content=\"light dark\">\n<title>" + escape(page.title) + "</title>\n";
   out += "<style>" + style + "</style></head>\n<body>\n" + page.body;
   if (page.with_filter) out += "<script>" + std::string(kFilterScript) + "</script>\n";

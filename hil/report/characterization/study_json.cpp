@@ -71,9 +71,9 @@ Json of(const SessionSheet& s) {
            {"m_N", d.m_N}, {"loss", json_number<Json>(d.loss)}, {"u_min_V", json_number<Json>(d.u_min_V)}};
     if (d.f2_Hz > 0.0) r["f2_Hz"] = d.f2_Hz;
     if (d.fitted)
-      r.update({{"a_V", d.fit.a_V},
+      r.update({{"a_V", json_number<Json>(d.fit.a_V)},
                 {"b_per_s", d.fit.b_per_s},
-                {"c_V", d.fit.c_V},
+                {"c_V", json_number<Json>(d.fit.c_V)},
                 {"rmse_V", d.fit.rmse_V},
                 {"n", d.fit.n}});
     out["decays"].push_back(std::move(r));

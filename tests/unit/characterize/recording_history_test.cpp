@@ -42,6 +42,8 @@ TEST(RecordingHistory, cycles_before_the_steady_stretch_leave_b_alone_to_be_told
     EXPECT_FALSE(std::isnan(sheet.value("identified.b"))) << first_N;
     for (const char* key : {"recording.a", "recording.c", "identified.q"}) EXPECT_TRUE(std::isnan(sheet.value(key))) << first_N << " " << key;
     EXPECT_EQ(sheet.calibration.q_scale, 1.0) << first_N;
+    ASSERT_EQ(sheet.decays.size(), 1u);
+    EXPECT_TRUE(std::isnan(sheet.decays.front().fit.c_V)) << first_N;
     EXPECT_TRUE(has_note(sheet, "the force was cycled for ")) << first_N;
     EXPECT_FALSE(has_note(sheet, "the time of eq. (3) counts from there")) << first_N;
   }
