@@ -92,7 +92,9 @@ bool keeps_step(const TimeBase& base, double step_s) {
 Result<Grid> make_grid(const TimeBase& base, const std::string& path) {
   const auto& t = base.t_s;
   double rate = base.nominal_rate_Hz;
-  if (t.size() < 2 || rate <= 0.0)
+  if (t.size() < 2)
+    return fail(ErrorCode::config, "the record has only " + std::to_string(t.size()) + (t.size() == 1 ? " sample" : " samples"), path, "record some seconds at least");
+  if (rate <= 0.0)
     return fail(ErrorCode::config, "the record has no sample rate: its clock is not uniform", path,
                 "resample it to the rate of the firmware first");
   if (std::fabs(rate - std::round(rate)) < 1e-3 * rate && std::round(rate) > 0.0) rate = std::round(rate);

@@ -1,6 +1,7 @@
 // Triangular ramps from low to high and back, `cycles` times, each way in sweep_s: the two slow sweeps of the
 // static calibration (Lebosse 2011, III-A: "continuously applying the force range twice").
 
+#include "hil/base/text.h"
 #include "stimuli/profile.h"
 
 namespace forcegate::stimuli {
@@ -34,6 +35,8 @@ Result<std::unique_ptr<Stimulus>> make(const StimulusSpec& spec) {
   const auto& p = spec.numbers;
   if (p.at("low_N") > p.at("high_N"))
     return fail(ErrorCode::usage, "stimulus 'ramp': low_N is above high_N", {}, "swap them");
+  if (p.at("cycles") != std::floor(p.at("cycles")))
+    return fail(ErrorCode::usage, "stimulus 'ramp': cycles = " + shortest(p.at("cycles")) + " is no whole number of triangles", {}, "one triangle goes up and down again; a way alone is a staircase or a step");
   return std::unique_ptr<Stimulus>(std::make_unique<Ramp>(p.at("low_N"), p.at("high_N"), p.at("sweep_s"),
                                                           p.at("cycles"), p.at("ramp_s")));
 }
@@ -44,7 +47,7 @@ const Registration<StimulusKind> kRegistered{
      {{"low_N", "N", 0.2, 0.0, kForceLimit_N, "lowest force"},
       {"high_N", "N", 4.0, 0.0, kForceLimit_N, "highest force"},
       {"sweep_s", "s", 50.0, 1e-2, kLongest_s, "time of one way, up or down"},
-      {"cycles", "1", 2.0, 1.0, 1e6, "number of triangles"},
+      {"cycles", "1", 2.0, 1.0, 1e6, "number of triangles, whole"},
       ramp_parameter()},
      make}};
 

@@ -25,8 +25,10 @@ std::string tolerance_line(const char* curve, const TubeOptions& o) {
 class Reader {
  public:
   Reader(std::string_view text, std::string name) : name_(std::move(name)) {
-    for (const std::string& line : split(std::string(text), '\n'))
+    for (std::string line : split(std::string(text), '\n')) {
+      if (line.ends_with('\r')) line.pop_back();  // checked out with the line ends of Windows
       if (++lines_; !line.empty() && line[0] != '#') rows_.push_back({lines_, split(line, ' ')});
+    }
   }
   bool more() const { return at_ < rows_.size(); }
   const std::vector<std::string>& words() const { return rows_[at_].second; }
@@ -147,9 +149,9 @@ bool moves(const std::vector<float>& golden_N, const TubeOptions& o) {
 
 void compare_extrema(const GoldenRecord& g, const GoldenContent& tested, GoldenCurve curve,
                      const TubeOptions& o, GoldenComparison& out) {
-  double low = 0.0, high = 0.0;
+  double low = std::numeric_limits<double>::infinity(), high = -low;
   for (const GoldenExtremum& e : g.content.extrema) {
-    low = std::min(low == 0.0 ? force(e, curve) : low, force(e, curve));
+    low = std::min(low, force(e, curve));
     high = std::max(high, force(e, curve));
   }
   const auto ratio = [](double deviation, double tolerance) {

@@ -86,11 +86,11 @@ std::string nearest_name(std::string_view word, std::span<const std::string> can
 std::string with_uncertainty(double value, double u) {
   if (!std::isfinite(value)) return shortest(value);
   if (!(u > 0.0) || !std::isfinite(u)) return fmt::format("{:.4g}", value);
-  constexpr double kSmallest = 1e-9;  // below, zeros behind the point say nothing
-  if (const double size = std::max(std::fabs(value), u); size < kSmallest) {
+  constexpr double kSmallest = 1e-9, kLargest = 1e12;  // beyond, zeros behind or before the point say nothing
+  if (const double size = std::max(std::fabs(value), u); size < kSmallest || size >= kLargest) {
     const int exponent = static_cast<int>(std::floor(std::log10(size)));
     const double unit = std::pow(10.0, exponent);
-    if (unit > 0.0) return with_uncertainty(value / unit, u / unit) + fmt::format("e{}", exponent);
+    if (unit > 0.0 && std::isfinite(unit)) return with_uncertainty(value / unit, u / unit) + fmt::format("e{}", exponent);
   }
   int place = static_cast<int>(std::floor(std::log10(u)));
   double lead = u / std::pow(10.0, place);
@@ -102,7 +102,7 @@ std::string with_uncertainty(double value, double u) {
   }
   if (place > 0) {
     const double unit = std::pow(10.0, place);
-    return fmt::format("{:.0f}({:.0f})", std::round(value / unit) * unit, digits * unit);
+    return fmt::format("{:.0f}({:.0f})", std::round(value / unit) * unit + 0.0, digits * unit);  // + 0.0: never "-0"
   }
   return fmt::format("{:.{}f}({:.0f})", value, -place, digits);
 }

@@ -21,7 +21,8 @@ struct Spread {
 };
 
 struct SensorStudy {
-  std::string sensor;                ///< "flexiforce", "fsr"
+  std::string sensor;                ///< "flexiforce", "fsr", "recording"
+  bool of_recordings = false;        ///< a sheet is a recording, of which nothing says whose it is: no specimen, no session
   std::vector<SessionSheet> sheets;  ///< specimen by specimen, session by session
   SessionSheet exemplar;             ///< with curves; in no statistic
   std::vector<Spread> spreads;       ///< in the order in which the procedures measured

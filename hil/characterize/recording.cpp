@@ -16,10 +16,13 @@ namespace {
 constexpr std::size_t kBlock = 4096, kTurnsNeeded = 12;
 constexpr double kSlowHalfCycle_s = 20.0, kRangeNeeded_N = 0.2;
 constexpr double kSwingTolerance = 0.1, kDecaySigmas = 3.0, kLeastDecay = 0.005;
+constexpr double kTurnShare = 0.25, kSmallTurnShare = 0.1;  // of the range of the force
 
 struct Columns {
   std::vector<double> t_s;
   std::vector<float> force_N, sensor_V;
+  std::vector<bool> at_rail;  ///< the converter was at its first or last code: the sensor may have been beyond
+  std::size_t rails() const { return static_cast<std::size_t>(std::ranges::count(at_rail, true)); }
 };
 
 Result<Columns> read_all(Rig& rig, BenchProgress& progress) {
@@ -39,6 +42,7 @@ Result<Columns> read_all(Rig& rig, BenchProgress& progress) {
       out.t_s.push_back(block.t_s[i]);
       out.force_N.push_back(block.force_ref_N[i]);
       out.sensor_V.push_back(static_cast<float>(per_code * block.adc[i]));
+      out.at_rail.push_back((block.status[i] & kRigAdcRail) != 0);
     }
     progress.samples += n;
     if (progress.is_cancelled()) return fail(ErrorCode::cancelled, "interrupted");
@@ -47,14 +51,32 @@ Result<Columns> read_all(Rig& rig, BenchProgress& progress) {
   return out;
 }
 
-Extrema find_extrema(const Columns& c, double prominence_N) {
+// Of the first `rows`.
+Extrema find_extrema(const Columns& c, double prominence_N, std::size_t rows) {
   ExtremaPairer pairer({.prominence = prominence_N, .followers = 2, .half_width = 2});
   const float* followers[2] = {c.sensor_V.data(), c.force_N.data()};
-  pairer.push(c.t_s, c.force_N, {followers, 2});
+  pairer.push(std::span(c.t_s).first(rows), std::span(c.force_N).first(rows), {followers, 2});
   pairer.finish();
-  Extrema out = extrema_of(pairer.pairs());
+  return extrema_of(pairer.pairs());
+}
+
+Extrema find_turns(const Columns& c, double prominence_N) {
+  Extrema out = find_extrema(c, prominence_N, c.t_s.size());
   sharpen_turns(c.t_s, c.force_N, c.sensor_V, out);
   return out;
+}
+
+// How long the force was cycled before `until_s`, rests between cycles left out: these do not give the decay back, which takes hours.
+double cycled_before(const Columns& c, double until_s, double range_N) {
+  const auto rows = static_cast<std::size_t>(std::ranges::lower_bound(c.t_s, until_s) - c.t_s.begin());
+  const Extrema turns = find_extrema(c, kSmallTurnShare * range_N, rows);
+  std::vector<double> t_s = turns.maxima.t_s;
+  t_s.insert(t_s.end(), turns.minima.t_s.begin(), turns.minima.t_s.end());
+  std::ranges::sort(t_s);
+  double cycled_s = 0.0;
+  for (std::size_t i = 1; i < t_s.size(); ++i)
+    if (const double half_cycle_s = t_s[i] - t_s[i - 1]; half_cycle_s < kSlowHalfCycle_s) cycled_s += half_cycle_s;
+  return cycled_s;
 }
 
 void add(SessionSheet& sheet, const char* key, const char* title, const char* unit, double value) {
@@ -75,8 +97,9 @@ double fall_of(const std::vector<double>& maxima, double swing) {
   return fall / static_cast<double>(n) / swing;
 }
 
-// `fall`: of the maxima beyond that of the force, share of the first swing.
-void describe_decay_of(SessionSheet& sheet, const DecayRecord& d, double fall) {
+// `fall`: of the maxima beyond that of the force, share of the first swing. `from_rest`: the decay began with these cycles, so that a and c are those of
+// eq. (3); else a has lost an unknown part already, and c stands for another amplitude's too: b alone does not ask when the time began.
+void describe_decay_of(SessionSheet& sheet, const DecayRecord& d, double fall, bool from_rest) {
   const double decay = decay_of(d);
   if (std::abs(decay) < kLeastDecay) {
     sheet.notes.push_back(
@@ -89,13 +112,13 @@ void describe_decay_of(SessionSheet& sheet, const DecayRecord& d, double fall) {
     return;
   }
   if (decay < 0.0) sheet.notes.push_back("the maxima rise: a of eq. (3) is negative");
-  add(sheet, "recording.a", "a of eq. (3)", "V", d.fit.a_V);
+  if (from_rest) add(sheet, "recording.a", "a of eq. (3)", "V", d.fit.a_V);
   add(sheet, "recording.b", "b of eq. (3)", "1/s", d.fit.b_per_s);
-  add(sheet, "recording.c", "c of eq. (3)", "V", d.fit.c_V);
+  if (from_rest) add(sheet, "recording.c", "c of eq. (3)", "V", d.fit.c_V);
   add(sheet, "recording.rmse", "RMSE of the maxima, eq. (8)", "V", d.fit.rmse_V);
   if (const DecayScales scales = scales_of(d.fit, d.f_Hz, d.A_N); scales.b > 0.0 && scales.q > 0.0) {
     add(sheet, "identified.b", "Decay rate against eq. (5)", "1", sheet.calibration.b_scale = scales.b);
-    add(sheet, "identified.q", "Ratio c/a against eq. (5)", "1", sheet.calibration.q_scale = scales.q);
+    if (from_rest) add(sheet, "identified.q", "Ratio c/a against eq. (5)", "1", sheet.calibration.q_scale = scales.q);
   }
 }
 
@@ -103,24 +126,38 @@ struct Span {
   double begin_s = 0.0, end_s = 0.0;
 };
 
-// `samples`: in a cycle.
-void describe_cycles(SessionSheet& sheet, SteadyStretch stretch, const Span& recording, double samples) {
-  constexpr double kFewSamples = 8.0;
+void note_rails(SessionSheet& sheet, const Columns& c, const char* what_of_it) {
+  if (const std::size_t rails = c.rails(); rails > 0)
+    sheet.notes.push_back(fmt::format("{} of {} samples lie at the first or the last code of the converter, where the sensor may be beyond its range: {}", rails, c.t_s.size(), what_of_it));
+}
+
+void describe_cycles(SessionSheet& sheet, SteadyStretch stretch, const Columns& columns, double range_N) {
+  constexpr double kFewSamples = 8.0, kCyclesLeft = 2.0;
+  const Span recording{columns.t_s.front(), columns.t_s.back()};
+  const double samples = samples_per_cycle(columns.t_s, stretch.extrema);
   if (samples < kFewSamples)
     sheet.notes.push_back(fmt::format("only {:.2g} samples in a cycle: the heights of the turns, and with them A, the loss and c/a, are told from too few", samples));
   Extrema& extrema = stretch.extrema;
   const double half_cycle_s = (stretch.end_s - stretch.begin_s) / std::max(1.0, static_cast<double>(extrema.maxima.size() + extrema.minima.size()) - 1.0);
+  note_rails(sheet, columns, "turns there are cut off, and the loss and the decay with them");
+  const double cycled_s = cycled_before(columns, stretch.begin_s, range_N);
+  const bool from_rest = cycled_s <= 2.0 * kCyclesLeft * half_cycle_s;
   double onset_s = stretch.begin_s, end_s = stretch.end_s;
   if (stretch.is_whole) {
     onset_s = std::max(recording.begin_s, stretch.begin_s - half_cycle_s);
     end_s = recording.end_s;
-    if (onset_s - recording.begin_s > 2.0 * half_cycle_s)
+    if (from_rest && onset_s - recording.begin_s > 2.0 * half_cycle_s)
       sheet.notes.push_back(fmt::format("the cycles begin {:.3g} s behind the beginning of the recording: the time of eq. (3) counts from there", onset_s - recording.begin_s));
   } else {
     sheet.notes.push_back(fmt::format(
         "cut to {:.0f} .. {:.0f} s of {:.0f} s: elsewhere the swing or the rate of the force is another one",
         stretch.begin_s, stretch.end_s, recording.end_s - recording.begin_s));
   }
+  if (!from_rest)
+    sheet.notes.push_back(fmt::format(
+        "the force was cycled for {:.0f} s before the cycles that are told of: the decay began there, with another swing, so that a and c of eq. (3), and c/a with them, "
+        "are not told; record from rest for them",
+        cycled_s));
   for (Turns* t : {&extrema.maxima, &extrema.minima})
     for (double& t_s : t->t_s) t_s -= onset_s;
   DecayRecord d = describe_decay(extrema);
@@ -142,15 +179,17 @@ void describe_cycles(SessionSheet& sheet, SteadyStretch stretch, const Span& rec
   add(sheet, "recording.minima_drift", "Drift of the minima, share of the first swing", "%",
       d.minima_drift_pct);
   add(sheet, "recording.wander", "Wandering of single maxima, share of the swing", "%", d.wander_pct);
-  describe_decay_of(sheet, d, fall);
+  describe_decay_of(sheet, d, fall, from_rest);
+  if (!from_rest) d.fit.a_V = d.fit.c_V = d.fit.u_a_V = d.fit.u_c_V = std::nan("");  // null in study.json
   sheet.decays.push_back(std::move(d));
 }
 
 Result<void> describe_static(SessionSheet& sheet, const Columns& c, double largest_N,
                              const std::string& name) {
+  note_rails(sheet, c, "the static law is told without them");
   StaticLine line;
   for (std::size_t i = 0; i < c.t_s.size(); ++i)
-    line.push(static_cast<double>(c.sensor_V[i]), static_cast<double>(c.force_N[i]));
+    if (!c.at_rail[i]) line.push(static_cast<double>(c.sensor_V[i]), static_cast<double>(c.force_N[i]));
   constexpr double kLeast_V2 = 1e-6, kAnswers = 0.5;  // correlation
   if (line.variance_V2() > kLeast_V2 && line.covariance_VN() < -kAnswers * std::sqrt(line.variance_V2() * line.variance_N2()))
     return fail(ErrorCode::parse, "the output falls while the force rises", name,
@@ -193,9 +232,10 @@ Result<SessionSheet> characterize_recording(Rig& rig, const std::string& name, B
     sheet.notes.push_back("the converter is not stated: " + assumed->second + " in the calibration file " + (assumed->second.find(',') != std::string::npos ? "are" : "is") +
                           " assumed; give yours, --rig-option adc_bits=N --rig-option v_range_V=VOLTS");
   }
+  if (const auto notes = info.details.find("notes"); notes != info.details.end()) sheet.notes.push_back(notes->second);
   const double largest_N =
       std::max(std::abs(static_cast<double>(*low)), std::abs(static_cast<double>(*high)));
-  const Extrema all = find_extrema(columns, 0.25 * range_N);
+  const Extrema all = find_turns(columns, kTurnShare * range_N);
   const double recording_s = columns.t_s.back() - columns.t_s.front();
   const auto turns_of = [](const Extrema& e) { return e.maxima.size() + e.minima.size(); };
   const auto is_cyclic = [](std::size_t turns, double duration_s) {
@@ -203,8 +243,7 @@ Result<SessionSheet> characterize_recording(Rig& rig, const std::string& name, B
   };
   SteadyStretch stretch = longest_steady_stretch(all, kSwingTolerance);
   if (is_cyclic(turns_of(stretch.extrema), stretch.end_s - stretch.begin_s)) {
-    const double samples = samples_per_cycle(columns.t_s, stretch.extrema);
-    describe_cycles(sheet, std::move(stretch), {columns.t_s.front(), columns.t_s.back()}, samples);
+    describe_cycles(sheet, std::move(stretch), columns, range_N);
     return sheet;
   }
   if (is_cyclic(turns_of(all), recording_s))

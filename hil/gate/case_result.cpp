@@ -26,10 +26,16 @@ ExtremaSeries series(const CaseRecord& record, bool closed, bool maximum) {
   return s;
 }
 
-// Decay of the raw maxima in volts, as the paper fits it (eq. 3). Only where the ATI maxima stay where they
-// are.
+// A tenth of the turns on either side may be another: the swing begins slowly, and a reading of the reference may be wrong.
+bool keeps_its_height(const std::vector<double>& turns_N, double swing_N) {
+  constexpr double kOthers = 0.1, kTolerance = 0.1;  // of the turns; of the swing
+  return sample_quantile(turns_N, 1.0 - kOthers) - sample_quantile(turns_N, kOthers) <= kTolerance * swing_N;
+}
+
+// Decay of the raw maxima in volts, as the paper fits it (eq. 3). Only where maxima and minima of the ATI stay where they
+// are: those of a sum of sines differ by more than the sensor loses.
 DecayFit decay(const CaseRecord& record, const Calibration& calibration) {
-  std::vector<double> t_s, maxima_V, minima_V;
+  std::vector<double> t_s, maxima_V, minima_V, maxima_N, minima_N;
   const double start_s = record.facts.excitation_start_s;
   for (const CasePair& p : record.pairs) {
     if (p.t_s < start_s || !std::isfinite(p.raw_N)) continue;
@@ -37,12 +43,16 @@ DecayFit decay(const CaseRecord& record, const Calibration& calibration) {
     if (p.maximum) {
       t_s.push_back(p.t_s - start_s);
       maxima_V.push_back(volts);
+      if (std::isfinite(p.ati_N)) maxima_N.push_back(p.ati_N);
     } else {
       minima_V.push_back(volts);
+      if (std::isfinite(p.ati_N)) minima_N.push_back(p.ati_N);
     }
   }
   DecayFit d;
-  if (minima_V.empty()) return d;
+  if (minima_V.empty() || maxima_V.empty()) return d;
+  const double swing_N = moments(maxima_N).mean - moments(minima_N).mean;
+  if (!keeps_its_height(maxima_N, swing_N) || !keeps_its_height(minima_N, swing_N)) return d;
   const double u_min_V = moments(minima_V).mean;
   const auto fit = fit_decay(t_s, maxima_V, u_min_V);
   if (!fit) return d;

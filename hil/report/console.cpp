@@ -109,8 +109,9 @@ std::string render_console(const RunResult& result, const ConsoleView& view) {
     }
     if (rows.size() > shown) out += "  and " + std::to_string(rows.size() - shown) + " more in result.json\n";
   }
-  for (const std::string& note : result.notes) out += "\n  note: " + one_line(note);
-  if (!result.notes.empty()) out += "\n";
+  if (view.notes)
+    for (const std::string& note : result.notes) out += "\n  note: " + one_line(note);
+  if (view.notes && !result.notes.empty()) out += "\n";
   out += "\n  reproduce: " + one_line(result.command_line) + "\n";
   return out;
 }

@@ -11,6 +11,7 @@ struct ConsoleView {
   bool colour = false;  ///< ANSI escape codes
   bool ascii = false;   ///< no byte above 0x7F of our own (texts of the firmware stay as they are)
   int max_rows = 20;
+  bool notes = true;
 };
 
 std::string render_console(const RunResult& result, const ConsoleView& view);

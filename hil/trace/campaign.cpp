@@ -1,9 +1,9 @@
 #include "hil/trace/campaign.h"
 
 #include <algorithm>
-#include <array>
 
 #include "hil/base/largest_first.h"
+#include "hil/base/some_of.h"
 #include "hil/base/text.h"
 #include "hil/trace/campaign_checks.h"
 #include "hil/trace/campaign_description.h"
@@ -14,6 +14,8 @@
 #include "hil/trace/conductance.h"
 #include "hil/trace/convert.h"
 #include "hil/trace/declared_facts.h"
+#include "hil/trace/plausible_sizes.h"
+#include "hil/trace/recording_files.h"
 #include "hil/trace/sensor_name.h"
 
 namespace forcegate {
@@ -25,19 +27,9 @@ constexpr const char* kFileName = "campaign.json";
 
 /// The files of a folder that are records by their endings; where there are none, its text files: .txt may be a logger's or a note.
 Result<std::vector<fs::path>> record_files(const fs::path& folder, bool& only_text) {
-  constexpr std::array kRecords = {".csv", ".tsv", ".h5", ".hdf5", ".mat"}, kTexts = {".txt", ".dat", ".lvm", ".log", ".asc"};
-  std::vector<fs::path> records, texts;
-  std::error_code failed;
-  for (const auto& entry : fs::directory_iterator(folder, failed)) {
-    const std::string ending = ascii_lower(entry.path().extension().string());
-    if (entry.path().filename().string().front() == '.') continue;
-    if (std::ranges::find(kRecords, ending) != kRecords.end()) records.push_back(entry.path());
-    if (std::ranges::find(kTexts, ending) != kTexts.end()) texts.push_back(entry.path());
-  }
-  if (failed) return fail(ErrorCode::io, "the folder cannot be listed: " + failed.message(), folder.string());
-  only_text = records.empty();
-  std::vector<fs::path>& files = only_text ? texts : records;
-  std::ranges::sort(files, [](const fs::path& a, const fs::path& b) { return natural_less(a.filename().string(), b.filename().string()); });
+  FORCEGATE_TRY(RecordingFiles found, recording_files(folder));
+  only_text = found.records.empty();
+  std::vector<fs::path>& files = only_text ? found.texts : found.records;
   if (files.empty())
     return fail(ErrorCode::io, "the folder holds no .csv, .h5 or .mat file", folder.string(), "name the folder of the recordings");
   return std::move(files);
@@ -63,6 +55,7 @@ void load(Reading& reading, const CampaignOptions& options) {
     reading.result = tl::unexpected(std::move(read).error());
     return;
   }
+  if (reading.result = check_plausible_sizes(read->trace, read->headers, reading.file); !reading.result) return;
   reading.notes = std::move(read->notes);
   reading.mapped = std::move(read->mapped);
   reading.sensor = std::move(read->sensor);
@@ -229,6 +222,17 @@ Result<Campaign> read_described(const fs::path& file, const CampaignOptions& opt
   return campaign;
 }
 
+/// Who names the folder may take all that lies in it for the campaign.
+void note_unlisted(const fs::path& folder, Campaign& campaign) {
+  std::vector<std::string> unlisted;
+  if (const auto found = recording_files(folder))
+    for (const fs::path& file : found->records) {
+      std::error_code ignored;
+      if (std::ranges::none_of(campaign.records, [&](const Record& r) { return fs::equivalent(r.file, file, ignored); })) unlisted.push_back(file.filename().string());
+    }
+  if (!unlisted.empty()) campaign.notes.push_back("not read, since campaign.json does not list " + std::string(unlisted.size() == 1 ? "it: " : "them: ") + some_of(unlisted));
+}
+
 Result<Campaign> read_folder(const fs::path& folder, const CampaignOptions& options) {
   Campaign campaign;
   campaign.folder = folder;
@@ -273,9 +277,12 @@ Result<Campaign> read_any(const fs::path& path, const CampaignOptions& options) 
   const fs::file_status status = fs::status(path, failed);
   if (!fs::exists(status))
     return fail(ErrorCode::io, "there is no such file or folder", path.empty() ? "\"\"" : path.string(), "check the name");
-  if (fs::is_directory(status))
-    return fs::exists(path / kFileName, failed) ? read_described(path / kFileName, options)
-                                                : read_folder(path, options);
+  if (fs::is_directory(status) && fs::exists(path / kFileName, failed)) {
+    FORCEGATE_TRY(Campaign campaign, read_described(path / kFileName, options));
+    note_unlisted(path, campaign);
+    return campaign;
+  }
+  if (fs::is_directory(status)) return read_folder(path, options);
   return path.extension() == ".json" ? read_described(path, options) : read_single(path, options);
 }
 

@@ -99,6 +99,33 @@ TEST(Characterize, CountsACopyOnce) {
   EXPECT_THAT(read_text(folder / "out/sheet-recording.json"), ::testing::Not(HasSubstr("\"specimen\": \"copy.csv\"")));
 }
 
+TEST(Characterize, OfASlowAndACyclicRecordingMakesOneCalibrationAndSaysWhatToDoWithIt) {
+  const TemporaryFolder temporary;
+  const fs::path& folder = temporary.path();
+  std::string sine = "t_s,U_V,F_ref_N\n", ramp = sine;
+  for (int i = 0; i < 20000; ++i) {
+    const double t = 0.02 * i, s = 0.5 - 0.5 * std::cos(3.14159265358979 * t), up = 1.0 - std::abs(std::fmod(t / 50.0, 2.0) - 1.0);
+    sine += std::to_string(t) + "," + std::to_string(2.0 + s * (4.0 * std::exp(-0.006 * t) + 1.0)) + "," + std::to_string(1.0 + 3.0 * s) + "\n";
+    ramp += std::to_string(t) + "," + std::to_string(0.2 + 6.0 * up) + "," + std::to_string(3.0 * up) + "\n";
+  }
+  write_text(folder / "sine.csv", sine);
+  write_text(folder / "ramp.csv", ramp);
+  const std::vector<std::string> words{"characterize", "--record", folder / "ramp.csv", "--record", folder / "sine.csv", "-o", folder / "out"};
+  const ProcessResult r = forcegate(words);
+  ASSERT_EQ(r.exit_code, 0) << r.err << r.out;
+  EXPECT_THAT(r.out, HasSubstr("recording: 2 recordings, "));
+  EXPECT_THAT(r.out, HasSubstr("note: ramp.csv: the converter is not stated"));
+  EXPECT_THAT(r.out, HasSubstr("\nnext: forcegate compare " + (folder / "ramp.csv").string() + " --model " + (folder / "out/recording.toml").string() + "\n"));
+  EXPECT_THAT(read_text(folder / "out/calibration-recording-identified.toml"), HasSubstr("level = \"identified\""));
+  std::vector<std::string> quiet = words, json = words;
+  quiet.push_back("-q");
+  json.push_back("--json");
+  EXPECT_THAT(forcegate(quiet).out, ::testing::Not(HasSubstr("note:")));
+  const auto files = nlohmann::json::parse(forcegate(json).out)["files"];
+  EXPECT_EQ(files.size(), 6u);
+  EXPECT_EQ(files[0], (folder / "out/study.json").string());
+}
+
 TEST(Characterize, PlaysConductanceAndCapacitanceOnTheBenchOfWeights) {
   const TemporaryFolder temporary;
   const fs::path& folder = temporary.path();

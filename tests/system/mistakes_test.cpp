@@ -266,6 +266,18 @@ TEST(Mistakes, InWordsOfTheCommandLineAreToldAsWhatTheyAre) {
   for (const char* check : {"accuracy_maxima", "waiver_valid", "record"}) EXPECT_EQ(forcegate({"explain", check}, kHere).exit_code, 0) << check;
 }
 
+TEST(Mistakes, InTheRateOfAProfileAreToldBeforeTheFileShowsAnotherOne) {
+  TemporaryFolder folder;
+  const auto answer = [&](const std::string& rate) { return forcegate({"stimulus", "sine", "f_Hz=2", "A_N=1", "m_N=2", "--rate", rate, "--csv", folder / ("at_" + rate + ".csv")}, kHere); };
+  EXPECT_EQ(answer("3").exit_code, 2);
+  EXPECT_THAT(answer("3").err, HasSubstr("3 samples a second cannot show 2 Hz"));
+  EXPECT_THAT(answer("3").err, HasSubstr("give at least 20"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "at_3.csv"));
+  EXPECT_EQ(answer("10").exit_code, 0);
+  EXPECT_THAT(answer("10").err, HasSubstr("5 samples in a cycle of 2 Hz"));
+  EXPECT_THAT(answer("20").err, ::testing::Not(HasSubstr("samples in a cycle")));
+}
+
 TEST(Mistakes, InTheRateOfARecordingBlameNoRig) {
   TemporaryFolder folder;
   std::string slow = "t_s,F_ref_N,U_V\n";
@@ -283,6 +295,12 @@ TEST(Mistakes, InAShortRecordingAreToldWithItsFile) {
   write_text(folder / "few.csv", few);
   const ProcessResult one = forcegate({"diagnose", folder / "one.csv"}, kHere);
   EXPECT_THAT(one.err, HasSubstr("only 1 sample\n  where: " + (folder / "one.csv")));
+  write_text(folder / "row.csv", "t_s,F_ref_N,U_V\n0,1,2\n");
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{{"compare", folder / "row.csv"}, {"fit", folder / "row.csv"}, {"characterize", "--record", folder / "row.csv"}}) {
+    const ProcessResult r = forcegate(words, kHere);
+    EXPECT_THAT(r.err, HasSubstr("the record has only 1 sample")) << words[0];
+    EXPECT_THAT(r.err, HasSubstr("where: " + (folder / "row.csv"))) << words[0];
+  }
   for (const std::vector<std::string>& command : std::vector<std::vector<std::string>>{{"diagnose", folder / "few.csv"}, {"fit", folder / "few.csv"}, {"characterize", "--record", folder / "few.csv"}}) {
     const ProcessResult r = forcegate(command, kHere);
     EXPECT_NE(r.exit_code, 0) << command[0];

@@ -128,5 +128,15 @@ TEST_F(Record, NeverWritesOverTheJournalOfAnEarlierAttempt) {
   EXPECT_EQ(read_text(folder / "mine/r01_short.fgj"), "what an instrument said");
 }
 
+TEST_F(Record, HidesNoRecordingsThatTheFolderHolds) {
+  fs::create_directories(folder / "mine");
+  write_text(folder / "mine/Rampe.csv", "t_s,F_ref_N,U_V\n0,1,2\n");
+  const ProcessResult r = forcegate({"record", "--plan", plan("40"), "-o", folder / "mine"});
+  EXPECT_EQ(r.exit_code, 2);
+  EXPECT_THAT(r.err, HasSubstr("hides them: Rampe.csv"));
+  EXPECT_THAT(r.err, HasSubstr("choose another folder with -o"));
+  EXPECT_FALSE(fs::exists(folder / "mine/campaign.json"));
+}
+
 }  // namespace
 }  // namespace forcegate::test

@@ -8,10 +8,11 @@
 #include <memory>
 
 #include "golden/compare/lebosse_oracle.h"
+#include "hil/app/characterize/recordings.h"
 #include "hil/app/files/find_plan.h"
+#include "hil/app/files/own_file.h"
 #include "hil/app/files/write_file.h"
 #include "hil/base/text.h"
-#include "hil/characterize/recording.h"
 #include "hil/interface/dut.h"
 #include "hil/report/characterization/data_sheet.h"
 #include "hil/report/characterization/golden_traces.h"
@@ -37,8 +38,10 @@ std::string file_name_of(std::string specimen) {
 
 class Writer {
  public:
-  explicit Writer(std::vector<fs::path>& files) : files_(files) {}
-  Result<void> write(const fs::path& path, std::string_view text) {
+  Writer(std::vector<fs::path>& files, bool overwrite) : files_(files), overwrite_(overwrite) {}
+  /// `mark`: of an own file; "" replaces any.
+  Result<void> write(const fs::path& path, std::string_view text, std::string_view mark = {}) {
+    if (!overwrite_) FORCEGATE_CHECK_OK(check_own_file(path, mark));
     FORCEGATE_CHECK_OK(write_file_atomically(path, text));
     files_.push_back(path);
     return {};
@@ -46,19 +49,36 @@ class Writer {
 
  private:
   std::vector<fs::path>& files_;
+  bool overwrite_;
 };
+
+constexpr std::string_view kMarkOfStudy = "\"kind\": \"characterization\"", kMarkOfCalibration = ": forcegate gate FIRMWARE --cal THIS";
+
+// Before hours of play: what is written in any case.
+Result<void> check_output(const CharacterizeRequest& request) {
+  if (request.output.empty() || request.overwrite) return {};
+  FORCEGATE_CHECK_OK(check_own_file(request.output / "study.json", kMarkOfStudy));
+  std::vector<std::string> sensors = request.sensors;
+  if (!request.recordings.empty() && sensors.size() != 1) sensors = {"recording"};
+  for (const std::string& sensor : sensors) {
+    FORCEGATE_CHECK_OK(check_own_file(request.output / ("sheet-" + sensor + ".html"), kMarkOfPage));
+    FORCEGATE_CHECK_OK(check_own_file(request.output / ("sheet-" + sensor + ".json"), kMarkOfStudy));
+    FORCEGATE_CHECK_OK(check_own_file(request.output / (sensor + ".toml"), kMarkOfModel));
+  }
+  return {};
+}
 
 Result<void> write_output(const CharacterizeRequest& request, const Characterization& made, Writer& writer) {
   if (request.output.empty()) return {};
-  FORCEGATE_CHECK_OK(writer.write(request.output / "study.json", study_json(made.studies, made.plan)));
+  FORCEGATE_CHECK_OK(writer.write(request.output / "study.json", study_json(made.studies, made.plan), kMarkOfStudy));
   for (const SensorStudy& study : made.studies) {
     FORCEGATE_CHECK_OK(writer.write(request.output / ("sheet-" + study.sensor + ".html"),
-                                    data_sheet_html(study, made.plan, request.command_line)));
+                                    data_sheet_html(study, made.plan, request.command_line), kMarkOfPage));
     FORCEGATE_CHECK_OK(writer.write(request.output / ("sheet-" + study.sensor + ".json"),
-                                    study_json({study}, made.plan, false)));
+                                    study_json({study}, made.plan, false), kMarkOfStudy));
     if (study.find("static.gain") != nullptr) {
       FORCEGATE_TRY(const std::string model, model_of_study(study));
-      FORCEGATE_CHECK_OK(writer.write(request.output / (study.sensor + ".toml"), model));
+      FORCEGATE_CHECK_OK(writer.write(request.output / (study.sensor + ".toml"), model, kMarkOfModel));
     }
     if (study.sheets.size() > kMostCalibrationFiles) continue;
     std::map<std::string, int> used;  // names that differ by letters alone which no file name has here
@@ -66,8 +86,9 @@ Result<void> write_output(const CharacterizeRequest& request, const Characteriza
       if (sheet.failure || sheet.find("static.gain") == nullptr) continue;
       std::string name = fmt::format("calibration-{}-{}-s{}", study.sensor, file_name_of(sheet.specimen), sheet.session);
       if (const int before = used[name]++; before > 0) name += fmt::format("-{}", before + 1);
-      FORCEGATE_CHECK_OK(writer.write(request.output / (name + ".toml"), calibration_text(sheet)));
+      FORCEGATE_CHECK_OK(writer.write(request.output / (name + ".toml"), calibration_text(sheet), kMarkOfCalibration));
     }
+    if (const auto both = sheet_of_both(study)) FORCEGATE_CHECK_OK(writer.write(request.output / ("calibration-" + study.sensor + "-identified.toml"), calibration_text(*both), kMarkOfCalibration));
   }
   return {};
 }
@@ -86,43 +107,6 @@ Result<void> write_paper(const CharacterizeRequest& request, const Characterizat
     for (const SensorStudy& study : made.studies)
       for (const GoldenTrace& trace : golden_traces(study, made.plan))
         FORCEGATE_CHECK_OK(writer.write(request.golden / (trace.name + ".csv"), golden_text(trace)));
-  return {};
-}
-
-// The name of its file; with that of its folder where another recording has the same.
-std::string name_of_recording(const fs::path& path, const std::vector<fs::path>& all) {
-  const auto is_other = [&](const fs::path& other) { return other != path && other.filename() == path.filename(); };
-  return std::ranges::any_of(all, is_other) ? (fs::absolute(path).parent_path().filename() / path.filename()).string() : path.filename().string();
-}
-
-Result<void> study_recordings(const CharacterizeRequest& request, characterize::BenchProgress& progress,
-                              Characterization& out) {
-  SensorStudy study;
-  study.sensor = request.sensors.size() == 1 ? request.sensors.front() : "recording";
-  std::map<std::string, std::size_t> sheet_of;  // by what the recording holds
-  for (const fs::path& path : request.recordings) {
-    auto options = request.rig_options;
-    options["record"] = path.string();
-    FORCEGATE_TRY(const auto rig, make_rig(request.rig, options));
-    // a copy is no second session: its spread of 0 would be told for that of the sensor
-    const RigInfo info = rig->info();
-    if (const auto digest = info.details.find("record_sha256"); digest != info.details.end()) {
-      const auto [known, is_new] = sheet_of.emplace(digest->second, study.sheets.size());
-      if (!is_new) {
-        study.sheets[known->second].notes.push_back(path.filename().string() + " is the same recording: it is counted once");
-        continue;
-      }
-    }
-    const std::string name = name_of_recording(path, request.recordings);
-    Result<SessionSheet> made = characterize::characterize_recording(*rig, name, progress);
-    if (!made && made.error().where == name) made.error().where = path.string();
-    FORCEGATE_TRY(SessionSheet sheet, std::move(made));
-    study.rig_time_s += static_cast<double>(sheet.samples) / rig->info().rate_Hz;
-    study.samples += sheet.samples;
-    study.sheets.push_back(std::move(sheet));
-  }
-  characterize::summarise(study, out.plan);
-  out.studies.push_back(std::move(study));
   return {};
 }
 
@@ -199,13 +183,16 @@ Result<Characterization> characterize_request(const CharacterizeRequest& request
                                               const std::function<void(double, std::string_view)>& progress,
                                               const std::atomic<bool>* cancelled) {
   if (request.sensors.empty()) return fail(ErrorCode::usage, "no sensor is named");
+  FORCEGATE_CHECK_OK(check_output(request));
   Characterization out;
   characterize::BenchProgress state;
   state.cancelled = cancelled;
-  if (!request.recordings.empty())
-    FORCEGATE_CHECK_OK(study_recordings(request, state, out));
-  else
+  if (!request.recordings.empty()) {
+    FORCEGATE_TRY(SensorStudy study, study_recordings(request, out.plan, state));
+    out.studies.push_back(std::move(study));
+  } else {
     FORCEGATE_CHECK_OK(study_rig(request, progress, state, out));
+  }
   const Error* first = nullptr;
   bool sound = false;
   for (const SensorStudy& s : out.studies) {
@@ -217,7 +204,7 @@ Result<Characterization> characterize_request(const CharacterizeRequest& request
     }
   }
   if (!sound && first != nullptr) return Unexpected(*first);
-  Writer writer(out.files);
+  Writer writer(out.files, request.overwrite);
   FORCEGATE_CHECK_OK(write_output(request, out, writer));
   FORCEGATE_CHECK_OK(write_paper(request, out, writer));
   return out;

@@ -27,6 +27,7 @@ struct CharacterizeRequest {
   std::filesystem::path output;  ///< folder for sheets, JSON, models; empty = none
   std::filesystem::path paper;   ///< folder for paper.md and pictures/paper/*.svg; empty = none
   std::filesystem::path golden;  ///< folder for golden traces; empty = none
+  bool overwrite = false;        ///< files of the output folder that this command did not write
   unsigned threads = 0;
   std::string command_line;
 };
@@ -39,7 +40,7 @@ struct Characterization {
   std::uint64_t samples = 0;
 };
 
-/// Errors: those of the request (usage, config), of the machine (io), cancelled. Rig errors of single sessions are in
+/// Errors: those of the request (usage, also a foreign file in the output folder; config), of the machine (io), cancelled. Rig errors of single sessions are in
 /// their sheets; when every session failed, the first one's error is returned.
 Result<Characterization> characterize_request(
     const CharacterizeRequest& request, const std::function<void(double, std::string_view)>& progress = {},

@@ -1,6 +1,7 @@
 #include "hil/app/characterize/weight_study.h"
 
 #include "hil/app/files/find_plan.h"
+#include "hil/app/files/own_file.h"
 #include "hil/app/files/write_file.h"
 #include "hil/report/capacitance/network_header.h"
 #include "hil/report/capacitance/weight_figures.h"
@@ -32,6 +33,11 @@ Result<MadeWeightStudy> weight_study_request(const CharacterizeRequest& request,
   study.threads = request.threads;
   study.progress = progress;
   study.cancelled = cancelled;
+  if (!request.output.empty() && !request.overwrite) {
+    FORCEGATE_CHECK_OK(check_own_file(request.output / "capacitance.json", "\"kind\": \"capacitance\""));
+    FORCEGATE_CHECK_OK(check_own_file(request.output / "networks.h", "written by `forcegate characterize"));
+    FORCEGATE_CHECK_OK(check_own_file(request.output / "sheet-capacitance.html", kMarkOfPage));
+  }
   MadeWeightStudy made;
   FORCEGATE_TRY(made.study, characterize::run_weight_study(study));
   made.summary = characterize::summarise(made.study);

@@ -32,7 +32,7 @@ namespace {
 Result<diagnose::Refit> fit_campaign(const CampaignRequest& request, Campaign campaign, const Model& model,
                                      const std::string& add) {
   const PlacesOf places(campaign, request.campaign);
-  FORCEGATE_CHECK_OK(diagnose::check_shows_a_law(campaign));
+  if (auto law = diagnose::check_shows_a_law(campaign); !law) return Unexpected(places.with_file(std::move(law.error())));
   if (!add.empty() && has_effect(model, add))
     return fail(ErrorCode::config, "the model has " + add + " already", request.model.empty() ? model.name : request.model,
                 "forcegate fit refits it");

@@ -8,7 +8,9 @@
 #include <optional>
 
 #include "hil/app/files/write_file.h"
+#include "hil/base/some_of.h"
 #include "hil/gate/play_profile.h"
+#include "hil/trace/recording_files.h"
 #include "hil/trace/trace_recorder.h"
 
 namespace forcegate {
@@ -127,6 +129,18 @@ struct RemovedWhenEmpty {
   }
 };
 
+/// A campaign.json that lists the new records alone would hide those that the folder holds.
+Result<void> check_nothing_is_hidden(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::is_directory(folder, error) || fs::exists(folder / "campaign.json", error)) return {};
+  FORCEGATE_TRY(const RecordingFiles found, recording_files(folder));
+  if (found.records.empty()) return {};
+  std::vector<std::string> names;
+  for (const fs::path& file : found.records) names.push_back(file.filename().string());
+  return fail(ErrorCode::usage, "the folder holds recordings without a campaign.json, and the one that would be written hides them: " + some_of(names), folder.string(),
+              "choose another folder with -o");
+}
+
 /// What an instrument said is not written over by another attempt.
 Result<void> check_no_leftover(const fs::path& csv) {
   std::error_code error;
@@ -173,6 +187,7 @@ Result<std::vector<RecordedFile>> record_profiles(const RecordingBench& bench,
     total_s += stimulus->duration_s();
     made.push_back(std::move(stimulus));
   }
+  FORCEGATE_CHECK_OK(check_nothing_is_hidden(folder));
   std::error_code error;
   RemovedWhenEmpty made_folder;
   if (fs::create_directories(folder, error)) made_folder.folder = folder;

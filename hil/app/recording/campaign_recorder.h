@@ -45,7 +45,8 @@ using RecordingProgress = std::function<void(double fraction, std::string_view n
 
 /// Plays the profiles one after the other and writes them into `folder`, which must hold a campaign already (they are
 /// appended to its campaign.json) or none. Record numbers and campaign time go on where the campaign ends. An existing
-/// file is never overwritten, and no folder is left that holds nothing. Errors: those of the rig; usage when the rig cannot move.
+/// file is never overwritten, and no folder is left that holds nothing. Errors: those of the rig; usage when the rig cannot
+/// move, or the folder holds recordings and no campaign.json.
 Result<std::vector<RecordedFile>> record_profiles(const RecordingBench& bench,
                                                   const std::vector<ProfileToRecord>& profiles,
                                                   const std::filesystem::path& folder,

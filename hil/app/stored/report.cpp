@@ -1,5 +1,6 @@
 #include "hil/app/stored/report.h"
 
+#include "hil/app/files/own_file.h"
 #include "hil/app/files/write_file.h"
 #include "hil/app/gate/bundle.h"
 #include "hil/base/text.h"
@@ -8,6 +9,20 @@
 #include "hil/report/result_json.h"
 
 namespace forcegate {
+
+namespace {
+
+// What the first lines of every view hold, and hardly anybody else's.
+std::string_view mark_of(const std::string& format) {
+  if (format == "html") return kMarkOfPage;
+  if (format == "json") return "\"tool_version\"";
+  if (format == "junit") return "<testsuites name=\"forcegate";
+  if (format == "markdown") return ". Firmware `";
+  if (format == "github") return " title=forcegate";
+  return "\n  firmware ";
+}
+
+}  // namespace
 
 std::vector<std::string> report_formats() { return Registry<ReporterKind>::instance().names(); }
 
@@ -19,6 +34,7 @@ Result<ReportAnswer> render_report(const ReportRequest& request) {
     return fail(ErrorCode::usage, "there is no report format '" + printable_utf8(request.format) + "'", {},
                 near.empty() ? "choose one of: " + join(names, ", ") : "did you mean '" + near + "'?");
   }
+  if (!request.overwrite) FORCEGATE_CHECK_OK(check_own_file(request.output, mark_of(kind->name)));
   std::error_code ignored;
   const bool folder = std::filesystem::is_directory(request.result, ignored);
   FORCEGATE_CHECK_OK(check_result_unchanged(folder ? request.result : request.result.parent_path()));

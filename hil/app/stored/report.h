@@ -15,6 +15,7 @@ struct ReportRequest {
   std::string format = "console";
   std::filesystem::path output;  ///< "" = do not write, only give the text back
   bool colour = false;           ///< console only
+  bool overwrite = false;        ///< a file at `output` that holds no such view
 };
 
 struct ReportAnswer {
@@ -25,7 +26,7 @@ struct ReportAnswer {
 /// Names of the views, sorted.
 std::vector<std::string> report_formats();
 
-/// Reads, renders, writes (temporary file, then renamed). Errors: usage (no such view, with a suggestion),
+/// Reads, renders, writes (temporary file, then renamed). Errors: usage (no such view, with a suggestion; a foreign file at the output),
 /// io, parse.
 Result<ReportAnswer> render_report(const ReportRequest& request);
 

@@ -4,11 +4,13 @@
 
 #include "hil/app/diagnose/diagnose.h"
 #include "hil/app/diagnose/what_next.h"
+#include "hil/app/files/own_file.h"
 #include "hil/app/files/write_file.h"
 #include "hil/app/model/weak_addition.h"
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
 #include "hil/cli/verbs/campaign_options.h"
+#include "hil/cli/verbs/force_row.h"
 #include "hil/cli/verbs/next_line.h"
 
 namespace forcegate {
@@ -20,6 +22,10 @@ Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(request.campaign, campaign_request(in, in.text("fit"), named_model(in)));
   request.output = in.text("output");
   const std::string html = in.text("html");
+  if (!in.flag("force")) {
+    FORCEGATE_CHECK_OK(check_own_file(request.output, kMarkOfModel));
+    FORCEGATE_CHECK_OK(check_own_file(html, kMarkOfPage));
+  }
   if (!request.output.empty()) FORCEGATE_CHECK_OK(check_writable(request.output));
   if (!html.empty()) FORCEGATE_CHECK_OK(check_writable(html));
   FORCEGATE_TRY(const diagnose::Refit answer, add_request(request));
@@ -61,7 +67,8 @@ const Registration<Command> kRow{Command{
                  {.name = "output", .value_name = "FILE", .doc = "Model file to write.", .letter = 'o', .names = Names::file},
                  {.name = "html", .value_name = "FILE", .doc = "Write the pictures, before and after.", .names = Names::file},
                  model_row()},
-                campaign_rows()}),
+                campaign_rows(),
+                {force_row()}}),
     .examples = {{"forcegate add hysteresis --fit m7 -o better.toml", "Add a loop and watch the error:"},
                  {"forcegate add creep --fit m7 -o better.toml --html creep.html", "The same with pictures:"},
                  {"forcegate add softening --model mine.toml --fit m7 -o better.toml", "Fit an equation of the model file:"}},

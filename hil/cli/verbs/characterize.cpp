@@ -8,6 +8,7 @@
 #include "hil/app/characterize/weight_study.h"
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
+#include "hil/cli/verbs/force_row.h"
 #include "hil/cli/verbs/rig_choice.h"
 #include "hil/report/capacitance/weight_json.h"
 #include "hil/report/characterization/paper_claims.h"
@@ -40,7 +41,7 @@ std::string bench_time(double seconds) {
 }
 
 void print_study(const Console& console, const characterize::SensorStudy& study, std::string& out) {
-  out += console.paint(Paint::strong, study.sensor) + fmt::format(": {} session{}, {}\n", study.sheets.size(),
+  out += console.paint(Paint::strong, study.sensor) + fmt::format(": {} {}{}, {}\n", study.sheets.size(), study.of_recordings ? "recording" : "session",
                                                                   study.sheets.size() == 1 ? "" : "s",
                                                                   bench_time(study.rig_time_s));
   for (const auto& s : study.spreads)
@@ -49,13 +50,28 @@ void print_study(const Console& console, const characterize::SensorStudy& study,
                          short_number(s.specimens > 1 ? s.sd_specimens : s.sd_sessions, 2));
   for (const auto& sheet : study.sheets)
     for (const std::string& note : sheet.notes)
-      out += "  " + console.paint(Paint::warn, "note: ") + sheet.specimen + ": " + note + "\n";
+      if (!console.quiet()) out += "  " + console.paint(Paint::warn, "note: ") + sheet.specimen + ": " + note + "\n";
   for (const auto& sheet : study.sheets)
     if (sheet.failure)
       out += "  " +
              console.paint(Paint::fail, fmt::format("{} session {} failed: {}", sheet.specimen, sheet.session,
                                                     sheet.failure->text)) +
              "\n";
+}
+
+// What takes the most of what was written. A calibration is that of one session, and the emulated rig's next one has another gain and zero.
+std::string what_next(const CharacterizeRequest& request, const Characterization& made) {
+  std::filesystem::path calibration, model;
+  for (const std::filesystem::path& file : made.files) {
+    const std::string name = file.filename().string();
+    if (name.starts_with("calibration-") && calibration.empty()) calibration = file;
+    if (name.ends_with("-identified.toml")) calibration = file;
+    if (name == made.studies.front().sensor + ".toml") model = file;
+  }
+  if (!request.recordings.empty() && !model.empty() && !request.rig_options.contains("map"))
+    return "forcegate compare " + shell_quoted(request.recordings.front().string()) + " --model " + shell_quoted(model.string());
+  if (request.rig == "emulated") return model.empty() ? "" : "forcegate compare CAMPAIGN --model " + shell_quoted(model.string());
+  return calibration.empty() ? "" : "forcegate gate FIRMWARE --cal " + shell_quoted(calibration.string());
 }
 
 Result<int> run_weights(const Invocation& in, const CharacterizeRequest& request) {
@@ -65,8 +81,8 @@ Result<int> run_weights(const Invocation& in, const CharacterizeRequest& request
   if (!made) return Unexpected(made.error());
   const characterize::WeightSummary& s = made->summary;
   std::string text = fmt::format(
-      "{} packs of eight sensors: the network of conductance and capacitance reduces the error by {:.1f} % +- {:.1f} (paper: 64 %)\n",
-      made->study.sets.size(), s.per_mean_pct, s.per_sd_sets_pct);
+      "{} packs of eight sensors: the network of conductance and capacitance reduces the error by {:.1f} %{}paper: 64 %)\n",
+      made->study.sets.size(), s.per_mean_pct, std::isfinite(s.per_sd_sets_pct) && made->study.sets.size() > 1 ? fmt::format(" +- {:.1f} (standard deviation from pack to pack; ", s.per_sd_sets_pct) : " (");
   for (std::size_t m = 0; m < characterize::kForceModels; ++m)
     text += fmt::format("  {:<24} MSE {:.3f} N^2, 5 to 95 % {:.3f} to {:.3f}\n",
                         characterize::kForceModelNames[m], s.mse_mean[m], s.mse_q05[m], s.mse_q95[m]);
@@ -82,7 +98,7 @@ Result<int> run_weights(const Invocation& in, const CharacterizeRequest& request
                       1e-6 * static_cast<double>(made->study.samples));
   if (inside) text += "; every figure that has a window lies in it";
   console.print(text);
-  console.print_json(weight_json(made->study, s, false));
+  console.print_json(weight_json(made->study, s, false, made->files));
   if (!request.output.empty()) console.look_at((request.output / "sheet-capacitance.html").string());
   return kExitSuccess;
 }
@@ -109,6 +125,7 @@ Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const std::int64_t threads, in.integer("threads", 0, 1024));
   request.threads = static_cast<unsigned>(threads);
   request.output = in.text("output");
+  request.overwrite = in.flag("force");
   request.paper = in.text("paper");
   request.golden = in.text("golden");
   request.command_line = without_threads(in.command_line());
@@ -153,9 +170,9 @@ Result<int> run(const Invocation& in) {
   if (request.recordings.empty() && outside == 0 && made->plan.limits.empty())
     text += "; every figure that has a window lies in it";
   console.print(text);
-  console.print_json(study_json(made->studies, made->plan, false));
-  if (!request.output.empty())
-    console.look_at((request.output / ("sheet-" + made->studies.front().sensor + ".html")).string());
+  console.print_json(study_json(made->studies, made->plan, false, made->files));
+  if (!request.output.empty()) console.look_at((request.output / ("sheet-" + made->studies.front().sensor + ".html")).string());
+  if (const std::string next = what_next(request, *made); !next.empty()) console.next(next);
   return kept ? kExitSuccess : kExitReject;
 }
 
@@ -209,7 +226,8 @@ const Registration<Command> kRow{Command{
           {.name = "threads",
            .value_name = "N",
            .doc = "0: one per processor. The answer does not depend on it.",
-           .fallback = "0"}}}),
+           .fallback = "0"},
+          force_row()}}),
     .examples = {{"forcegate characterize --specimen q50 --sessions 1 -o q50",
                   "One sensor: data sheet, model, calibration (seconds):"},
                  {"forcegate characterize --paper docs", "The whole study and docs/paper.md (minutes):"},

@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include "hil/app/files/own_file.h"
 #include "hil/app/files/write_file.h"
 #include "hil/app/pictures/pictures.h"
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
 #include "hil/cli/verbs/campaign_options.h"
+#include "hil/cli/verbs/force_row.h"
 #include "hil/cli/verbs/next_line.h"
 #include "hil/report/diagnosis_html.h"
 
@@ -19,6 +21,7 @@ Result<int> run(const Invocation& in) {
   RecordPictures pictures;
   const std::string html = in.text("html"), folder = in.text("pictures");
   const bool drawn = !html.empty() || !folder.empty();
+  if (!in.flag("force")) FORCEGATE_CHECK_OK(check_own_file(html, kMarkOfPage));
   if (!html.empty()) FORCEGATE_CHECK_OK(check_writable(html));
   if (!folder.empty()) FORCEGATE_CHECK_OK(check_writable(std::filesystem::path(folder) / "ranking.svg"));
   FORCEGATE_TRY(const Diagnosis answer, diagnose_request(request, drawn ? &pictures : nullptr));
@@ -57,7 +60,8 @@ const Registration<Command> kRow{Command{
         {{model_row()},
          campaign_rows(),
          {{.name = "html", .value_name = "FILE", .doc = "Write the report with its pictures.", .names = Names::file},
-          {.name = "pictures", .value_name = "FOLDER", .doc = "Write every picture as an SVG of its own.", .names = Names::folder}}}),
+          {.name = "pictures", .value_name = "FOLDER", .doc = "Write every picture as an SVG of its own.", .names = Names::folder},
+          force_row()}}),
     .examples = {{"forcegate diagnose m7", "What is missing in the campaign m7:"},
                  {"forcegate diagnose m7 --html m7.html", "The same with pictures:"}},
     .run = run,

@@ -1,5 +1,6 @@
 #include "hil/app/diagnose/what_next.h"
 #include "hil/app/export/export.h"
+#include "hil/app/files/beside_program.h"
 #include "hil/app/files/find_plan.h"
 #include "hil/app/files/own_file.h"
 
@@ -8,18 +9,22 @@
 
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
+#include "hil/cli/verbs/force_row.h"
 
 namespace forcegate {
 namespace {
 
-// The firmware around the header is built by a script of the source tree. Elsewhere the header is first held against recordings, and then
-// compiled as the firmware will compile it.
+// The firmware around the header is built by a script of the source tree. Elsewhere the header is first held against recordings. The check has
+// compiled it; where no source tree lies around the program, it is compiled with all warnings.
 std::string line_after(const Invocation& in, const ExportResult& answer) {
   const std::string file = shell_quoted(answer.header.string());
   std::error_code ignored;
   // the firmware of the source tree reads volts
   if (answer.input.empty() && std::filesystem::is_regular_file("ci/firmware", ignored)) return "ci/firmware " + file + " mine";
   if (in.given("fit") && !in.given("check")) return in.command_line() + " --check " + shell_quoted(in.text("fit"));
+  const std::filesystem::path script = program_folder() / ".." / "ci" / "firmware";
+  if (answer.input.empty() && std::filesystem::is_regular_file(script, ignored))
+    return shell_quoted(path_from_here(script.lexically_normal())) + " " + file + " mine firmware-mine";
   return "cc -std=c11 -Wall -fsyntax-only -x c " + file;
 }
 
@@ -57,7 +62,7 @@ Result<int> run(const Invocation& in) {
   request.fitted = in.text("output");
   if (!in.flag("force")) {
     FORCEGATE_CHECK_OK(check_own_file(in.text("c"), "Made by forcegate export"));
-    FORCEGATE_CHECK_OK(check_own_file(in.text("output"), "format = 1\nname = "));
+    FORCEGATE_CHECK_OK(check_own_file(in.text("output"), kMarkOfModel));
   }
   FORCEGATE_TRY(ExportResult answer, export_model(request));
   const std::string no_plan = "there is no plan " + in.text("plan") + " here, whose calibration would be taken back: the firmware must calibrate by the model, as with --plan none";
@@ -121,7 +126,7 @@ const Registration<Command> kRow{Command{
           .value_name = "COLUMN=NAME",
           .doc = "Foreign column of the campaign.",
           .repeatable = true},
-         {.name = "force", .value_name = "", .doc = "Replace a file that this command did not write.", .letter = 'f'}},
+         force_row()},
     .examples = {{"forcegate export better.toml --fit m7 --c comp.h --check m7",
                   "Refit it, write it, build it, replay the campaign:"},
                  {"forcegate export flexiforce --c comp.h",

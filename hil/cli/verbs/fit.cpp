@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include "hil/app/files/own_file.h"
 #include "hil/app/files/write_file.h"
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
 #include "hil/cli/verbs/campaign_options.h"
+#include "hil/cli/verbs/force_row.h"
 #include "hil/cli/verbs/next_line.h"
 
 namespace forcegate {
@@ -13,8 +15,9 @@ namespace {
 
 Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const CampaignRequest request, campaign_request(in, in.text("CAMPAIGN"), named_model(in)));
-  FORCEGATE_TRY(const diagnose::Refit answer, fit_request(request, ""));
   const std::string output = in.text("output");
+  if (!in.flag("force")) FORCEGATE_CHECK_OK(check_own_file(output, kMarkOfModel));
+  FORCEGATE_TRY(const diagnose::Refit answer, fit_request(request, ""));
   if (!output.empty()) FORCEGATE_CHECK_OK(write_file_atomically(output, write_model(answer.model)));
   in.console().print(refit_text(answer, ""));
   in.console().print_json(refit_json(answer, ""));
@@ -35,7 +38,8 @@ const Registration<Command> kRow{Command{
     .options =
         joined({{{.name = "output", .value_name = "FILE", .doc = "Model file to write.", .letter = 'o', .names = Names::file},
                  model_row()},
-                campaign_rows()}),
+                campaign_rows(),
+                {force_row()}}),
     .examples = {{"forcegate fit m7 -o m7.toml", "A model of this specimen:"}},
     .run = run,
 }};

@@ -80,7 +80,7 @@ Result<int> run(const Invocation& in) {
                             : gate(request, console.progress_callback(), &in.interrupt_flag());
   console.end_progress();
   if (!made) return Unexpected(made.error());
-  console.print(render_console(*made, {.colour = console.color()}));
+  console.print(render_console(*made, {.colour = console.color(), .notes = !console.quiet()}));
   if (const ReporterKind* json = Registry<ReporterKind>::instance().find("json"))
     console.print_json(json->render(*made));
   if (made->decision.exit_code == kExitInterrupted)

@@ -4,13 +4,14 @@
 
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
+#include "hil/cli/verbs/force_row.h"
 #include "hil/interface/reporter.h"
 
 namespace forcegate {
 namespace {
 
 Result<int> run(const Invocation& in) {
-  ReportRequest request{in.text("RESULT"), in.text("format"), in.text("output"), in.console().color()};
+  ReportRequest request{in.text("RESULT"), in.text("format"), in.text("output"), in.console().color(), in.flag("force")};
   FORCEGATE_TRY(const ReportAnswer answer, render_report(request));
   if (in.given("output"))
     in.console().note("written " + in.text("output") + " (" + std::to_string(answer.text.size()) + " bytes)");
@@ -53,7 +54,8 @@ const Registration<Command> kRow{Command{
           .doc = "Which view.",
           .fallback = "console",
           .choices = report_formats},
-         {.name = "output", .value_name = "FILE", .doc = "Write the view to this file.", .letter = 'o', .names = Names::file}},
+         {.name = "output", .value_name = "FILE", .doc = "Write the view to this file.", .letter = 'o', .names = Names::file},
+         force_row()},
     .examples = {{"forcegate report run/result.json", "The decision again:"},
                  {"forcegate report run --format html -o report.html",
                   "One page with pictures, to send to somebody:"},

@@ -10,6 +10,7 @@
 #include "hil/base/text.h"
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
+#include "hil/cli/verbs/force_row.h"
 
 namespace forcegate {
 namespace {
@@ -51,6 +52,20 @@ Result<int> list(const Invocation& in) {
   return kExitSuccess;
 }
 
+constexpr double kFewestSamples = 2.0, kEnoughSamples = 10.0;  // in a cycle
+
+// By its parameters; 0: none tells one.
+double highest_frequency(const StimulusSpec& spec) {
+  const auto is_frequency = [](const std::string& name) { return name.starts_with("f_") && name.ends_with("Hz"); };
+  double out = 0.0;
+  for (const auto& [name, value] : spec.numbers)
+    if (is_frequency(name)) out = std::max(out, value);
+  for (const auto& [name, values] : spec.lists)
+    if (is_frequency(name))
+      for (const double value : values) out = std::max(out, value);
+  return out;
+}
+
 Result<int> run(const Invocation& in) {
   if (in.flag("list")) return list(in);
   const std::vector<std::string> words = in.texts("KEY=VALUE");
@@ -61,6 +76,10 @@ Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const double rate_Hz, in.number("rate", 1e-3, 1e5));
   FORCEGATE_TRY(const StimulusSpec spec, parse_stimulus_words(in.text("NAME"), words, seed));
   FORCEGATE_TRY(const auto stimulus, make_stimulus(spec));
+  const double fastest_Hz = highest_frequency(spec);
+  if (in.given("csv") && rate_Hz < kFewestSamples * fastest_Hz)
+    return fail(ErrorCode::usage, fmt::format("{} samples a second cannot show {} Hz: another frequency would stand in the file", shortest(rate_Hz), shortest(fastest_Hz)), "--rate " + in.text("rate"),
+                fmt::format("give at least {}", shortest(kEnoughSamples * fastest_Hz)));
   FORCEGATE_TRY(const SampledStimulus sampled, sample_stimulus(*stimulus, rate_Hz));
   const std::string title = join(std::vector<std::string>{spec.name, join(words, " ")}, " ");
   if (!in.flag("force")) {
@@ -86,6 +105,8 @@ Result<int> run(const Invocation& in) {
     console.note(fmt::format("the record ends after {:.2g} of a cycle of {} Hz: its samples go from {:.4g} to {:.4g} N, the forces above are those of whole cycles",
                              cycles, shortest(f.lowest_frequency_Hz), *low, *high));
   }
+  if (in.given("csv") && rate_Hz < kEnoughSamples * fastest_Hz)
+    console.note(fmt::format("{:.2g} samples in a cycle of {} Hz: the file hardly shows its turns; --rate {} does", rate_Hz / fastest_Hz, shortest(fastest_Hz), shortest(kEnoughSamples * fastest_Hz)));
   if (f.maximum_N > kWheelEnd_N) console.note(fmt::format("the wheel of the bench ends at {} N, this profile goes to {:.4g} N", shortest(kWheelEnd_N), f.maximum_N));
   if (in.given("csv")) console.print("  written               " + in.text("csv"));
   if (in.given("plot")) console.print("  drawn                 " + in.text("plot"));
@@ -131,7 +152,7 @@ const Registration<Command> kRow{Command{
          {.name = "csv", .value_name = "FILE", .doc = "Write columns t_s, F_cmd_N.", .names = Names::file},
          {.name = "rate", .value_name = "HZ", .doc = "Samples a second of plot and CSV.", .fallback = "1000"},
          {.name = "seed", .value_name = "N", .doc = "Seed of profiles with chance in them.", .fallback = "1"},
-         {.name = "force", .value_name = "", .doc = "Replace a file that this command did not write.", .letter = 'f'},
+         force_row(),
          {.name = "list", .value_name = "", .doc = "All profiles with their parameters, units and ranges."}},
     .examples = {{"forcegate stimulus sine f_Hz=0.5 A_N=1.05 m_N=2.15 --plot sine.svg",
                   "The force control of Lebosse et al. 2011, IV-B2 (1.1 to 3.2 N at 0.5 Hz):"},

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "hil/base/plain_number.h"
+#include "hil/trace/campaign_checks.h"
 #include "hil/diagnose/laws/recorded_cause.h"
 
 namespace forcegate::diagnose {
@@ -160,6 +161,8 @@ Result<void> check_output_moves(const Campaign& campaign) {
 }
 
 Result<void> check_shows_a_law(const Campaign& campaign) {
+  for (const Record& record : campaign.records)
+    if (const std::string reason = unfit(record.trace).too_short; !reason.empty()) return fail(ErrorCode::parse, reason, record.place(), "record more of it, or leave the record out");
   if (is_drift_only(campaign))
     return fail(ErrorCode::parse, what_the_force_shows(campaign), campaign.name,
                 "there is no law to fit: record a force that moves; forcegate diagnose tells what the output does with time");

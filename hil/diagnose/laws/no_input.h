@@ -29,7 +29,7 @@ std::string what_the_force_shows(const Campaign& campaign);
 /// Errors (parse): the force moves and the output of every record shows nothing but white noise about one value.
 Result<void> check_output_moves(const Campaign& campaign);
 
-/// What a law is fitted to. Errors (parse): no record has an input, or the output never moves.
+/// What a law is fitted to. Errors (parse): a record is too short, no record has an input, or the output never moves.
 Result<void> check_shows_a_law(const Campaign& campaign);
 
 }  // namespace forcegate::diagnose

@@ -19,7 +19,8 @@ constexpr double kLeastSlope = 0.1;
 
 std::string comment(const std::string& text) {
   std::string safe = text;
-  for (std::size_t at = 0; (at = safe.find("*/", at)) != std::string::npos;) safe.replace(at, 2, "* /");
+  for (const auto& [mark, apart] : {std::pair{"*/", "* /"}, std::pair{"/*", "/ *"}})
+    for (std::size_t at = 0; (at = safe.find(mark, at)) != std::string::npos;) safe.replace(at, 2, apart);
   return safe;
 }
 

@@ -36,7 +36,7 @@ Json of(const SensorResult& s) {
 
 }  // namespace
 
-std::string weight_json(const WeightStudy& study, const WeightSummary& s, bool sensors) {
+std::string weight_json(const WeightStudy& study, const WeightSummary& s, bool sensors, const std::vector<std::filesystem::path>& files) {
   Json root{{"format", 1},
             {"kind", "capacitance"},
             {"plan", study.plan.name},
@@ -80,6 +80,7 @@ std::string weight_json(const WeightStudy& study, const WeightSummary& s, bool s
       for (const SensorResult& sensor : set.sensors) one["sensors"].push_back(of(sensor));
       root["packs"].push_back(std::move(one));
     }
+  for (const std::filesystem::path& file : files) root["files"].push_back(file.string());
   return root.dump(1) + "\n";
 }
 

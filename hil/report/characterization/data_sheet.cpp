@@ -27,6 +27,8 @@ constexpr Section kSections[] = {
     {"control.", "Force control"},      {"tms.", "Robotised TMS"},
     {"recording.", "Recordings"}};
 
+std::string counted(std::size_t n, std::string_view what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); }
+
 std::string number(double v, const char* style = "n") {
   return fmt::format("<td class=\"{}\">{}</td>", style, escape(figures::display(v, 3)));
 }
@@ -36,15 +38,17 @@ std::string section_table(const SensorStudy& study, const Section& section) {
   for (const Spread& s : study.spreads) {
     if (!s.key.starts_with(section.prefix)) continue;
     rows += "<tr><th scope=\"row\">" + escape(s.title) + "</th><td>" + escape(s.unit) + "</td>" +
-            number(s.mean) + number(s.sd_specimens) + number(s.sd_sessions) + number(s.q05) +
+            number(s.mean) + number(s.sd_specimens) + (study.of_recordings ? "" : number(s.sd_sessions)) + number(s.q05) +
             number(s.median) + number(s.q95) + fmt::format("<td class=\"n\">{}</td></tr>\n", s.n);
   }
   if (rows.empty()) return {};
   return fmt::format(
              "<section><h2>{0}</h2><div class=\"scroll\" tabindex=\"0\" role=\"group\" aria-label=\"{0}\"><table><thead><tr><th scope=\"col\">Quantity</th><th scope=\"col\">Unit</th>"
-             "<th scope=\"col\" class=\"n\">Mean</th><th scope=\"col\" class=\"n\">sd of specimens</th><th scope=\"col\" class=\"n\">sd of sessions</th><th scope=\"col\" class=\"n\">5 %</th>"
+             "<th scope=\"col\" class=\"n\">Mean</th>{1}<th scope=\"col\" class=\"n\">5 %</th>"
              "<th scope=\"col\" class=\"n\">Median</th><th scope=\"col\" class=\"n\">95 %</th><th scope=\"col\" class=\"n\">n</th></tr></thead><tbody>\n",
-             section.title) +
+             section.title,
+             study.of_recordings ? "<th scope=\"col\" class=\"n\">sd of recordings</th>"
+                                 : "<th scope=\"col\" class=\"n\">sd of specimens</th><th scope=\"col\" class=\"n\">sd of sessions</th>") +
          rows + "</tbody></table></div></section>\n";
 }
 
@@ -56,9 +60,9 @@ std::string laws_section(const SensorStudy& study) {
   if (!study.laws.available) return {};
   const auto& l = study.laws.fitted;
   std::string out = fmt::format(
-      "<section><h2>Laws of the decay</h2><p>Umax = Umin + a e<sup>-bt</sup> + c with a = {} A&sup2; + {} A V, b = {} f + {} 1/s, c/a = 1/(1 + {} A&sup2;); {} records of {} specimens.</p>\n",
+      "<section><h2>Laws of the decay</h2><p>Umax = Umin + a e<sup>-bt</sup> + c with a = {} A&sup2; + {} A V, b = {} f + {} 1/s, c/a = 1/(1 + {} A&sup2;); {} records of {}.</p>\n",
       with_se(l.a2_V_per_N2, l.se_a2, 3), with_se(l.a1_V_per_N, l.se_a1, 3), with_se(l.b1_s_per_s, l.se_b1, 5), with_se(l.b0_per_s, l.se_b0, 5), with_se(l.k_per_N2, l.se_k, 3),
-      l.records, l.specimens);
+      l.records, counted(l.specimens, "specimen"));
   out +=
       "<div class=\"scroll\" tabindex=\"0\" role=\"group\" aria-label=\"Errors of the laws\"><table><caption>Errors of the laws, %</caption><thead><tr><th scope=\"col\">Records</th><th scope=\"col\">Specimens</th>"
       "<th scope=\"col\" class=\"n\">a</th><th scope=\"col\" class=\"n\">b</th><th scope=\"col\" class=\"n\">c</th><th scope=\"col\" class=\"n\">MRE of the maxima</th><th scope=\"col\" class=\"n\">n</th></tr></thead><tbody>\n";
@@ -112,8 +116,8 @@ std::string data_sheet_html(const SensorStudy& study, const characterize::StudyP
   page.title = "Data sheet: " + name;
   page.body = "<header class=\"ok\"><div><h1>" + escape(name) + "</h1>\n<p class=\"why\">" +
               escape(fmt::format(
-                  "{} specimen{}, {} session{}, {} of bench time{}", specimens, specimens == 1 ? "" : "s",
-                  sessions, sessions == 1 ? "" : "s", bench_time(study.rig_time_s),
+                  "{}, {} of bench time{}",
+                  study.of_recordings ? counted(sessions, "recording") : counted(specimens, "specimen") + ", " + counted(sessions, "session"), bench_time(study.rig_time_s),
                   plan.name.empty() ? "" : fmt::format("; plan {}, seed {}", plan.name, plan.seed))) +
               "</p></div></header>\n<main>\n";
   page.body += notes(study);

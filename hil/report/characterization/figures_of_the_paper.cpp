@@ -6,6 +6,8 @@
 #include <cmath>
 
 #include "hil/report/characterization/paper_claims.h"
+#include "hil/report/figures/envelope.h"
+#include "hil/trace/extrema.h"
 
 namespace forcegate {
 namespace {
@@ -34,6 +36,18 @@ std::vector<double> shifted(std::vector<double> v, double by, double scale = 1.0
   return v;
 }
 
+// A line where its cycles can be told apart, else how far they go.
+void trace(Panel& p, const std::vector<double>& x, const std::vector<double>& y, Role role, std::string label = {}, double opacity = 0.6) {
+  constexpr std::size_t kMostTurns = 120, kFewest = 40, kMost = 240, kTurnsOfStretch = 3;
+  constexpr double kProminence = 0.1;  // of the span
+  const auto [low, high] = std::ranges::minmax(y);
+  const std::size_t turns = high > low ? turning_points(x, y, kProminence * (high - low)).size() : 0;
+  if (turns > kMostTurns)
+    add_band(p, envelope(x, y, std::clamp(turns / kTurnsOfStretch, kFewest, kMost)), role, opacity, std::move(label));
+  else
+    p.line(x, y, {role, Dash::solid, 0.6}, std::move(label));
+}
+
 class Pictures {
  public:
   explicit Pictures(const std::vector<SensorStudy>& studies)
@@ -58,7 +72,7 @@ class Pictures {
   }
 
   void calibration() {
-    Figure f("Calibration of both sensors", kWidth);
+    Figure f(curve_of(flexi_, "fig4") != nullptr && curve_of(fsr_, "fig4") != nullptr ? "Calibration of both sensors" : "Calibration", kWidth);
     f.columns = 2;
     std::string residuals;
     for (const SensorStudy* s : {flexi_, fsr_}) {
@@ -122,8 +136,7 @@ class Pictures {
       if (c == nullptr) continue;
       Panel& p = f.panel(Axis{"Time", "s"}, Axis{"Output", "V", 0.0, 10.0}, kLow);
       p.title = s->sensor == "fsr" ? "FSR" : "FlexiForce";
-      p.line(column(*c, "t_s"), column(*c, "sensor_V"),
-             {s->sensor == "fsr" ? Role::model : Role::firmware, Dash::solid, 0.6});
+      trace(p, column(*c, "t_s"), column(*c, "sensor_V"), s->sensor == "fsr" ? Role::model : Role::firmware);
       text += fmt::format("{} loses {:.0f} % of its swing", text.empty() ? p.title : ", the " + p.title,
                           s->exemplar.value("harmonic.fig6_loss"));
     }
@@ -136,7 +149,7 @@ class Pictures {
     if (c == nullptr) return;
     Figure f("FSR, 3.5 N +- 0.4 N, 0.5 Hz", kWidth);
     Panel& p = f.panel(Axis{"Time", "s"}, Axis{"Output", "V"}, kLow);
-    p.line(column(*c, "t_s"), column(*c, "sensor_V"), {Role::model, Dash::solid, 0.6});
+    trace(p, column(*c, "t_s"), column(*c, "sensor_V"), Role::model);
     add("fig07.svg", "Fig. 7",
         fmt::format(
             "The FSR's maxima wander: {:.1f} % of the swing from maximum to its neighbours; loss over the record {:.0f} %.",
@@ -149,8 +162,7 @@ class Pictures {
     if (c == nullptr) return;
     Figure f("FlexiForce, 0.5, then 2, then 3 Hz", kWidth);
     Panel& p = f.panel(Axis{"Time", "s"}, Axis{"Output", "V"}, kWide);
-    p.line(column(*c, "t_s"), column(*c, "sensor_V"),
-           {Role::firmware, Dash::solid, 0.5, Marker::none, 4.0, 0.8}, "output");
+    trace(p, column(*c, "t_s"), column(*c, "sensor_V"), Role::firmware, "output");
     if (control != nullptr) {
       std::vector<double> t, v;
       const auto time = column(*control, "t_s"), volts = column(*control, "sensor_V"),
@@ -197,17 +209,22 @@ class Pictures {
     }
   }
 
+  // Named in the legend: a name that stands on the line hides what is played there.
+  static void level(Panel& p, const std::vector<double>& t, double force_N, std::string label) {
+    p.line({t.front(), t.back()}, {force_N, force_N}, {Role::golden, Dash::dashed, 1.1}, std::move(label));
+  }
+
   // Like the paper's: the Nano17 and the FlexiForce by eq. (1), not compensated.
   void force_lines(Panel& p, const Curve& c) {
     std::vector<double> raw_N = column(c, "sensor_V");
     const auto& k = flexi_->exemplar.calibration;
     for (double& v : raw_N) v = k.gain_N_per_V * v + k.offset_N;
-    p.line(column(c, "t_s"), column(c, "ati_N"), {Role::reference, Dash::solid, 0.6}, "Nano17");
-    p.line(column(c, "t_s"), raw_N, {Role::firmware, Dash::solid, 0.5, Marker::none, 4.0, 0.8},
-           "FlexiForce by eq. (1)");
-    const auto setpoint = column(c, "setpoint_N");
-    p.hline(*std::min_element(setpoint.begin(), setpoint.end()), "", Role::golden);
-    p.hline(*std::max_element(setpoint.begin(), setpoint.end()), "extrema of the set-point", Role::golden);
+    const std::vector<double> t = column(c, "t_s");
+    trace(p, t, column(c, "ati_N"), Role::reference, "Nano17", 0.35);
+    trace(p, t, raw_N, Role::firmware, "FlexiForce by eq. (1)", 0.5);
+    const auto [low, high] = std::ranges::minmax(column(c, "setpoint_N"));
+    level(p, t, low, "");
+    level(p, t, high, "extrema of the set-point");
   }
 
   void tms() {
@@ -219,7 +236,8 @@ class Pictures {
     position.line(column(*c, "t_s"), column(*c, "position_mm"), {Role::model, Dash::solid, 1.0});
     Panel& force = f.panel(Axis{"Time", "s"}, Axis{"Contact force", "N", 0.0, 5.5}, kLow);
     force.line(column(*c, "t_s"), column(*c, "ati_N"), {Role::reference, Dash::solid, 0.8}, "Nano17");
-    force.hline(5.0, "5 N, never to be passed", Role::fail).hline(1.5, "set-point", Role::golden);
+    force.hline(5.0, "5 N, never to be passed", Role::fail);
+    level(force, column(*c, "t_s"), 1.5, "set-point");
     add("fig12.svg", "Fig. 12",
         fmt::format(
             "FSR without compensation holds 1.5 N on a head that breathes, moves suddenly and leaves the coil: largest force {:.2f} N, noise in steady spans {:.2f} N peak to peak (paper: below 0.34 N), no contact in {:.1f} % of the time.",

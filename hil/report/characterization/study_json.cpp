@@ -71,9 +71,9 @@ Json of(const SessionSheet& s) {
            {"m_N", d.m_N}, {"loss", json_number<Json>(d.loss)}, {"u_min_V", json_number<Json>(d.u_min_V)}};
     if (d.f2_Hz > 0.0) r["f2_Hz"] = d.f2_Hz;
     if (d.fitted)
-      r.update({{"a_V", d.fit.a_V},
+      r.update({{"a_V", json_number<Json>(d.fit.a_V)},
                 {"b_per_s", d.fit.b_per_s},
-                {"c_V", d.fit.c_V},
+                {"c_V", json_number<Json>(d.fit.c_V)},
                 {"rmse_V", d.fit.rmse_V},
                 {"n", d.fit.n}});
     out["decays"].push_back(std::move(r));
@@ -83,7 +83,8 @@ Json of(const SessionSheet& s) {
 
 }  // namespace
 
-std::string study_json(const std::vector<SensorStudy>& studies, const StudyPlan& plan, bool sessions) {
+std::string study_json(const std::vector<SensorStudy>& studies, const StudyPlan& plan, bool sessions,
+                       const std::vector<std::filesystem::path>& files) {
   Json root{{"format", 1},
             {"kind", "characterization"},
             {"plan", plan.name},
@@ -126,6 +127,7 @@ std::string study_json(const std::vector<SensorStudy>& studies, const StudyPlan&
                              {"sd", json_number<Json>(c.spread)},
                              {"specimens", c.specimens},
                              {"inside", c.inside()}});
+  for (const std::filesystem::path& file : files) root["files"].push_back(file.string());
   return root.dump(1) + "\n";
 }
 

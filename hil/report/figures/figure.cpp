@@ -14,7 +14,7 @@ constexpr double kFont_px = 11.0, kRow_px = 16.0, kSwatch_px = 18.0, kColumnGap_
                  kPanelGap_px = 10.0;
 
 std::string axis_label(const Axis& axis) {
-  if (axis.unit.empty()) return axis.quantity;
+  if (axis.unit.empty() || axis.unit == "1") return axis.quantity;
   return axis.quantity + " / " + axis.unit;
 }
 

@@ -76,6 +76,8 @@ TEST(Text, UncertaintyInParenthesesFollowsTheDigitRule) {
   EXPECT_EQ(with_uncertainty(2.5e-12, 3e-13), "2.5(3)e-12");
   EXPECT_EQ(with_uncertainty(4.5, 0.0), "4.5");
   EXPECT_EQ(with_uncertainty(1234.0, 30.0), "1230(30)");
+  EXPECT_EQ(with_uncertainty(-3.0, 90.0), "0(90)");
+  EXPECT_EQ(with_uncertainty(-6.74e27, 9e26), "-6.7(9)e27");
 }
 
 TEST(Text, OnlyAToZBecomeSmall) { EXPECT_EQ(ascii_lower("t_MS (\xc3\x84 [Z])"), "t_ms (\xc3\x84 [z])"); }

@@ -48,5 +48,13 @@ TEST(CompensatorName, ALongNameIsCutSoThatEveryEffectIsKnownByItsBeginning) {
   EXPECT_EQ(id({"first", "second", "third", "fourth", "fifth"}), "5_effects");
 }
 
+TEST(CompensatorName, CannotOpenOrCloseACommentOfTheHeader) {
+  Model m;
+  m.name = "film /* no. 3 */ of /*/ today";
+  const auto made = make_compensator(m, {});
+  ASSERT_TRUE(made) << made.error().to_text();
+  EXPECT_NE(made->header.find("/* Compensator of the model \"film / * no. 3 * / of / * / today\""), std::string::npos) << made->header.substr(0, 200);
+}
+
 }  // namespace
 }  // namespace forcegate

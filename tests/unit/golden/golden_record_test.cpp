@@ -212,5 +212,31 @@ TEST(GoldenRecord, a_damaged_line_of_its_head_never_leaves_a_comparison_out) {
   }
 }
 
+TEST(GoldenRecord, a_force_of_exactly_zero_is_the_lowest_of_the_swing) {
+  GoldenRecord g = golden();
+  g.firmware = {.scale = 0.1, .time_s = 0.01};
+  g.content = {};
+  g.every = 1;
+  for (const double force : {0.0, 2.0, 1.0, 2.0}) g.content.extrema.push_back({force == 2.0, 1.0 + static_cast<double>(g.content.extrema.size()), force, force});
+  g.extrema_in_all = 4;
+  GoldenContent tested = g.content;
+  tested.extrema[2].dut_N += 0.15;
+  EXPECT_EQ(compare(g, tested, GoldenCurve::firmware).state, TubeState::inside) << "a tenth of 2 N";
+  for (GoldenExtremum& e : g.content.extrema) e.dut_N -= 5.0;
+  for (GoldenExtremum& e : tested.extrema) e.dut_N -= 5.0;
+  EXPECT_EQ(compare(g, tested, GoldenCurve::firmware).state, TubeState::inside) << "below zero too";
+  tested.extrema[2].dut_N += 0.15;
+  EXPECT_EQ(compare(g, tested, GoldenCurve::firmware).state, TubeState::outside);
+}
+
+TEST(GoldenRecord, is_read_with_the_line_ends_of_windows) {
+  const std::string text = to_text(golden());
+  std::string windows;
+  for (const char c : text) windows += c == '\n' ? std::string("\r\n") : std::string(1, c);
+  const auto read = parse_golden_record(windows, "golden");
+  ASSERT_TRUE(read) << read.error().to_text();
+  EXPECT_EQ(to_text(*read), text);
+}
+
 }  // namespace
 }  // namespace forcegate

@@ -207,5 +207,13 @@ TEST(Figure, of_a_long_noisy_record_stays_small) {
   EXPECT_LT(figure.svg(Figure::Target::embedded).size(), 30000u);
 }
 
+TEST(Figure, writes_no_unit_where_there_is_none) {
+  Figure f("Levels", 400.0);
+  f.panel(Axis{"Record, in order", "1"}, Axis{"Gain", "1"}, 100.0).line({1.0, 2.0, 3.0}, {1.0, 2.0, 1.5}, {Role::firmware});
+  const std::string svg = f.svg(Figure::Target::standalone);
+  EXPECT_THAT(svg, HasSubstr(">Record, in order<"));
+  EXPECT_THAT(svg, Not(HasSubstr(" / 1<")));
+}
+
 }  // namespace
 }  // namespace forcegate::figures

@@ -264,5 +264,13 @@ TEST(Values, carry_their_uncertainty_or_say_that_there_is_none) {
   EXPECT_EQ(value_text(c, Glyphs::unicode), "\u22120.5");
 }
 
+TEST(ConsoleView, leaves_notes_out_where_nobody_wants_them) {
+  RunResult result = sample::run(Variant::accept, 60.0);
+  result.notes = {"the older run is kept"};
+  EXPECT_THAT(render_console(result, {}), HasSubstr("note: the older run is kept"));
+  EXPECT_THAT(render_console(result, {.notes = false}), Not(HasSubstr("note: ")));
+  EXPECT_THAT(render_console(result, {.notes = false}), HasSubstr("reproduce: "));
+}
+
 }  // namespace
 }  // namespace forcegate

@@ -296,5 +296,19 @@ TEST_F(CheckedCampaign, ARateThatTheClockOfTheFileOverrulesIsNoted) {
   EXPECT_THAT(read(options).notes, Not(Contains(HasSubstr("not used"))));
 }
 
+TEST_F(CheckedCampaign, RefusesMillionsOfVoltsOrNewtonsWithTheirColumn) {
+  const auto refusal = [&](const std::string& rows) {
+    const auto read = read_campaign(put("big.csv", "t_s,Force (N),U_V\n" + rows));
+    EXPECT_FALSE(read) << rows;
+    return read ? Error{} : read.error();
+  };
+  const Error volts = refusal("0,1,2e30\n1,2,3e30\n");
+  EXPECT_THAT(volts.text, HasSubstr("column \"U_V\" runs from 2e+30 to 3e+30 V, and no bench has that"));
+  EXPECT_THAT(volts.where, ::testing::EndsWith("big.csv"));
+  EXPECT_THAT(volts.hint, HasSubstr("--map U_V=U_mV"));
+  EXPECT_THAT(refusal("0,2e7,1\n1,3e7,2\n").hint, HasSubstr("--map 'Force (N)=F_ref_mN'"));
+  EXPECT_TRUE(read_campaign(put("big.csv", "t_s,F_ref_N,U_V\n0,1,2000\n1,2,3000\n")));
+}
+
 }  // namespace
 }  // namespace forcegate

@@ -104,6 +104,26 @@ TEST_F(ReadCampaign, TakesTheRecordsOfTheFolderWhereTheDescriptionListsNone) {
   EXPECT_THAT(refusal().text, HasSubstr("at least one record"));
 }
 
+TEST_F(ReadCampaign, NotesTheRecordingsOfItsFolderThatItDoesNotList) {
+  put("a.csv", kCsv);
+  put("campaign.json", R"({"records": [{"file": "a.csv"}]})");
+  const auto about_others = [&](const fs::path& path) {
+    const auto campaign = read_campaign(path);
+    EXPECT_TRUE(campaign);
+    std::string out;
+    for (const std::string& note : campaign->notes)
+      if (note.find("does not list") != std::string::npos) out += note;
+    return out;
+  };
+  EXPECT_EQ(about_others(folder_), "");
+  put("b.csv", kCsv);
+  put("notes.txt", "a note");
+  EXPECT_EQ(about_others(folder_), "not read, since campaign.json does not list it: b.csv");
+  for (const char* name : {"c.csv", "d.mat", "e.h5", "f.tsv", "g.csv"}) put(name, kCsv);
+  EXPECT_EQ(about_others(folder_), "not read, since campaign.json does not list them: b.csv, c.csv, d.mat, e.h5 and 2 more");
+  EXPECT_EQ(about_others(folder_ / "campaign.json"), "") << "a list that is named itself is meant";
+}
+
 TEST_F(ReadCampaign, AsksWhatAMistypedKeyMeans) {
   put("run.csv", kCsv);
   put("campaign.json", R"({"record": [{"file": "run.csv"}]})");
