@@ -82,6 +82,22 @@ std::vector<ShortSpike> spikes_of(const std::vector<double>& t_s, const std::vec
   return out;
 }
 
+// The output goes on swinging by much the same on either side, and the force does not: half a turn of a ringing mount or cable.
+bool swings_on(const std::vector<double>& U, const Allowance& allowance, const ShortSpike& spike) {
+  constexpr std::size_t kFar = 20, kBeside = 2;
+  constexpr double kAsFar = 0.35;  // of the peak, RMS: of a swing that fades by a third a turn
+  const std::size_t end = spike.begin + spike.length;
+  if (spike.begin < kFar || end + kFar >= U.size() || allowance.between(spike.begin - kFar, end + kFar) > kAsFar * spike.peak_V) return false;
+  const auto swing = [&](std::size_t from, std::size_t to) {
+    const double n = static_cast<double>(to - from);
+    double mean = 0.0, square = 0.0;
+    for (std::size_t i = from; i < to; ++i) mean += U[i] / n;
+    for (std::size_t i = from; i < to; ++i) square += (U[i] - mean) * (U[i] - mean) / n;
+    return std::sqrt(square);
+  };
+  return swing(spike.begin - kFar, spike.begin - kBeside) > kAsFar * spike.peak_V && swing(end + kBeside, end + kFar) > kAsFar * spike.peak_V;
+}
+
 constexpr std::ptrdiff_t kSeveral = 3;
 
 // A stretch of noise jumps on both sides of an excursion as far as there.
@@ -159,6 +175,8 @@ std::vector<ShortSpike> find_short_spikes(const std::vector<double>& t_s, const 
   constexpr std::size_t kFewestTails = 6;
   const Allowance allowance{F, scales};
   std::vector<ShortSpike> falling = spikes_of(t_s, U, allowance, false), any = spikes_of(t_s, U, allowance, true);
+  for (std::vector<ShortSpike>* found : {&falling, &any})
+    std::erase_if(*found, [&](const ShortSpike& s) { return swings_on(U, allowance, s); });
   // what throws samples up and down throws some of them to one side only
   const bool throws = scales.thrown || std::ranges::count_if(falling, &ShortSpike::both_ways) >= kSeveral;
   std::vector<Jump> jumps(lone.begin(), lone.end());

@@ -296,7 +296,7 @@ TEST_F(CheckedCampaign, ARateThatTheClockOfTheFileOverrulesIsNoted) {
   EXPECT_THAT(read(options).notes, Not(Contains(HasSubstr("not used"))));
 }
 
-TEST_F(CheckedCampaign, RefusesMillionsOfVoltsOrNewtonsWithTheirColumn) {
+TEST_F(CheckedCampaign, RefusesSizesThatNoBenchHasWithTheirColumn) {
   const auto refusal = [&](const std::string& rows) {
     const auto read = read_campaign(put("big.csv", "t_s,Force (N),U_V\n" + rows));
     EXPECT_FALSE(read) << rows;
@@ -306,8 +306,8 @@ TEST_F(CheckedCampaign, RefusesMillionsOfVoltsOrNewtonsWithTheirColumn) {
   EXPECT_THAT(volts.text, HasSubstr("column \"U_V\" runs from 2e+30 to 3e+30 V, and no bench has that"));
   EXPECT_THAT(volts.where, ::testing::EndsWith("big.csv"));
   EXPECT_THAT(volts.hint, HasSubstr("--map U_V=U_mV"));
-  EXPECT_THAT(refusal("0,2e7,1\n1,3e7,2\n").hint, HasSubstr("--map 'Force (N)=F_ref_mN'"));
-  EXPECT_TRUE(read_campaign(put("big.csv", "t_s,F_ref_N,U_V\n0,1,2000\n1,2,3000\n")));
+  EXPECT_THAT(refusal("0,2e13,1\n1,3e13,2\n").hint, HasSubstr("--map 'Force (N)=F_ref_mN'"));
+  EXPECT_TRUE(read_campaign(put("big.csv", "t_s,F_ref_N,U_V\n0,1,8388000\n1,2,8388600\n"))) << "codes of 24 bits";
 }
 
 }  // namespace

@@ -33,6 +33,21 @@ TEST(Spikes, ASpikeMayHaveATailOfAFewSamples) {
   for (const HealthClaim& claim : claims_of_samples(with_tailed_spikes(0.9))) EXPECT_NE(claim.effect, "outliers") << "a film that slips and creeps back is no spike";
 }
 
+// A cable that rings at 23 Hz behind each step of a load: half a turn is four samples.
+TEST(Spikes, WhatRingsBehindAnEdgeThrowsNothing) {
+  Campaign c = make_campaign(51, straight);
+  for (Record& r : c.records) {
+    const auto& t = r.trace.time_bases.front().t_s;
+    auto &F = r.trace.find("F_ref")->value, &U = r.trace.find("U")->value;
+    for (std::size_t i = 0; i < U.size(); ++i) {
+      const double since = std::fmod(t[i], 6.0), step = std::fmod(t[i], 12.0) < 6.0 ? 3.0 : 1.0;
+      F[i] = step + (step > 2.0 ? -2.0 : 2.0) * std::exp(-since / 0.02) + 0.002 * std::sin(37.0 * t[i]);
+      U[i] = 2.0 * F[i] + 0.2 + 1.5 * std::exp(-since / 0.2) * std::sin(2.0 * std::numbers::pi * 23.0 * since) + 0.004 * std::sin(1.0e5 * t[i]);
+    }
+  }
+  for (const HealthClaim& claim : claims_of_samples(c)) EXPECT_NE(claim.effect, "outliers") << claim.evidence;
+}
+
 // A contact that fails throws two to four samples up and down, a few times in each record.
 TEST(Spikes, AFewSamplesUpAndDownAreOneSpike) {
   Campaign c = make_campaign(48, straight);
