@@ -11,7 +11,7 @@ namespace {
 
 // A noisy reference bends and delays everything that is regressed on it: nothing else is claimed beside it.
 void leave_to_reference_noise(const Workspace& w, std::vector<Finding>& findings) {
-  if (std::ranges::none_of(w.raw_claims, [](const HealthClaim& c) { return c.effect == "reference_noise"; })) return;
+  if (std::ranges::none_of(w.raw_claims, [](const HealthClaim& c) { return c.effect == "reference_noise" && c.probability >= kClaim; })) return;
   for (Finding& f : findings)
     if (!f.of_samples()) f.limit(0.5 * f.probability, "the noise of the reference bends and delays whatever is compared with it");
 }
