@@ -82,20 +82,22 @@ std::vector<ShortSpike> spikes_of(const std::vector<double>& t_s, const std::vec
   return out;
 }
 
-// The output goes on swinging by much the same on either side, and the force does not: half a turn of a ringing mount or cable.
-bool swings_on(const std::vector<double>& U, const Allowance& allowance, const ShortSpike& spike) {
-  constexpr std::size_t kFar = 20, kBeside = 2;
-  constexpr double kAsFar = 0.35;  // of the peak, RMS: of a swing that fades by a third a turn
-  const std::size_t end = spike.begin + spike.length;
-  if (spike.begin < kFar || end + kFar >= U.size() || allowance.between(spike.begin - kFar, end + kFar) > kAsFar * spike.peak_V) return false;
-  const auto swing = [&](std::size_t from, std::size_t to) {
-    const double n = static_cast<double>(to - from);
-    double mean = 0.0, square = 0.0;
-    for (std::size_t i = from; i < to; ++i) mean += U[i] / n;
-    for (std::size_t i = from; i < to; ++i) square += (U[i] - mean) * (U[i] - mean) / n;
-    return std::sqrt(square);
+// Half a turn of a mount or a cable that rings: the next half turn on one side leads the other way, and the one beyond it back.
+bool rings(const std::vector<double>& U, const ShortSpike& spike) {
+  constexpr double kOther = 0.4, kSame = 0.3;  // of the peak: a swing that fades by half a turn
+  const auto n = static_cast<std::ptrdiff_t>(U.size()), length = static_cast<std::ptrdiff_t>(spike.length), begin = static_cast<std::ptrdiff_t>(spike.begin);
+  const double sign = spike.up ? 1.0 : -1.0;
+  const auto goes_on = [&](std::ptrdiff_t from, std::ptrdiff_t step) {
+    const auto at = [&](std::ptrdiff_t k) { return U[static_cast<std::size_t>(from + step * k)]; };
+    const std::ptrdiff_t turns = 6 * length, last = from + step * (turns - 1);
+    if (from < 0 || from >= n || last < 0 || last >= n) return false;
+    double level = 0.0, other = 0.0, same = 0.0;
+    for (std::ptrdiff_t k = 0; k < turns; ++k) level += at(k) / static_cast<double>(turns);
+    for (std::ptrdiff_t k = 0; k < 2 * length; ++k) other = std::max(other, -sign * (at(k) - level));
+    for (std::ptrdiff_t k = length; k < 4 * length; ++k) same = std::max(same, sign * (at(k) - level));
+    return other > kOther * spike.peak_V && same > kSame * spike.peak_V;
   };
-  return swing(spike.begin - kFar, spike.begin - kBeside) > kAsFar * spike.peak_V && swing(end + kBeside, end + kFar) > kAsFar * spike.peak_V;
+  return goes_on(begin + length, 1) || goes_on(begin - 1, -1);
 }
 
 constexpr std::ptrdiff_t kSeveral = 3;
@@ -176,7 +178,7 @@ std::vector<ShortSpike> find_short_spikes(const std::vector<double>& t_s, const 
   const Allowance allowance{F, scales};
   std::vector<ShortSpike> falling = spikes_of(t_s, U, allowance, false), any = spikes_of(t_s, U, allowance, true);
   for (std::vector<ShortSpike>* found : {&falling, &any})
-    std::erase_if(*found, [&](const ShortSpike& s) { return swings_on(U, allowance, s); });
+    std::erase_if(*found, [&](const ShortSpike& s) { return rings(U, s); });
   // what throws samples up and down throws some of them to one side only
   const bool throws = scales.thrown || std::ranges::count_if(falling, &ShortSpike::both_ways) >= kSeveral;
   std::vector<Jump> jumps(lone.begin(), lone.end());

@@ -72,8 +72,8 @@ bool thrown_at_random(std::span<const Jump> excursions, double near_V);
 
 /// Excursions of 2 to kLongestSpike samples that end where they began: to both sides, or within 40 ms to one, largest at their first sample and
 /// falling after it. A record with three to both sides may have any to one side, and so may one whose spikes are thrown_at_random()
-/// with `lone`, those of a single sample, or a campaign whose excursions are. Where the output goes on swinging on either side while the force is still it
-/// rings, and throws nothing. `t_s`, `F` and `U` on one clock; samples that are missing belong to none.
+/// with `lone`, those of a single sample, or a campaign whose excursions are. Where half a turn the other way and half a turn back
+/// follow or go before, the output rings, and throws nothing. `t_s`, `F` and `U` on one clock; samples that are missing belong to none.
 std::vector<ShortSpike> find_short_spikes(const std::vector<double>& t_s, const std::vector<double>& F, const std::vector<double>& U, const SpikeScales& scales,
                                           std::span<const Jump> lone = {});
 
