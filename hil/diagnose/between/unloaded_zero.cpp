@@ -60,7 +60,7 @@ std::vector<Rest> rests_of_stretches(const Workspace& w, const MixedFit& fit) {
       const auto first = std::ranges::lower_bound(row, begin) - row.begin(), last = std::ranges::lower_bound(row, end) - row.begin();
       const std::optional<double> force_N = lowest_force_N(r, begin, end);
       if (!force_N || last - first < kFewestRows) continue;
-      out.push_back({k * of_part + s, r.clock_start_s + r.t_s[(begin + end) / 2], *force_N, 0.0});
+      out.push_back({k * of_part + s, r.clock_start_s + r.t_s[row[static_cast<std::size_t>(first + last) / 2]], *force_N, 0.0});
       sums.push_back(line_sums(w.output, fit, k, first, last));
     }
   }

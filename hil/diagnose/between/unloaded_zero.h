@@ -17,7 +17,7 @@ struct UnloadedZero {
   std::size_t records = 0;  ///< that come down to one load, the lowest; of one recording: stretches
   std::size_t of = 0;       ///< all of them
   double spread_N = 0.0;    ///< standard deviation of the zero of the reference over them
-  std::vector<double> at;   ///< number of the record in the campaign, from 1; of one recording: middle of the stretch, s
+  std::vector<double> at;   ///< number of the record in the campaign, from 1; of one recording: in the middle of the stretch, s
   std::vector<double> shown_N, left_N;  ///< what the reference shows at the lowest load, and that less its own zero; each less its mean
 };
 

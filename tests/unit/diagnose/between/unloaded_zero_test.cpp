@@ -127,7 +127,7 @@ TEST(UnloadedZero, OneRecordingOfManyLoadsTellsWhoseZeroMoves) {
   const EvidenceSeries& zeros = drift_of(d)->series.front();
   EXPECT_EQ(zeros.x_unit, "s");
   EXPECT_GT(zeros.x.back(), 450.0);  // of the recording, not of a part of it
-  EXPECT_TRUE(std::ranges::is_sorted(zeros.x));
+  for (std::size_t i = 1; i < zeros.x.size(); ++i) EXPECT_GT(zeros.x[i], zeros.x[i - 1] + 10.0) << "each where it was recorded";
   EXPECT_GT(zeros.before.back() - zeros.before.front(), 0.08);
   for (const Finding& f : d.findings) EXPECT_FALSE(f.claimed() && f.side == "sensor") << f.effect;
 }
