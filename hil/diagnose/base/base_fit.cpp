@@ -89,7 +89,7 @@ void choose_excitation(Workspace& w, const std::vector<std::vector<std::size_t>>
   std::vector<OwnDecay> own(w.input.records.size());
   for (std::size_t k = 0; k < own.size(); ++k)
     if (w.input.records[k].dynamic) own[k] = own_decay(w.input.records[k], rows[k]);
-  const bool others_decay = std::ranges::any_of(own, [](const OwnDecay& o) { return o.is_decay(); });
+  const bool others_decay = some_decay(own);
   for (std::size_t k = 0; k < own.size(); ++k) {
     RecordInput& r = w.input.records[k];
     if (!r.dynamic) continue;
@@ -189,15 +189,15 @@ void fit_base(Workspace& w, unsigned threads, const std::vector<Candidate>& besi
     set_decays();
     parallel_for(n, threads, [&](std::size_t k) { S[k] = columns_beside(w, *whole(k), beside, rows[k]); });
   };
-  fill_beside();
-  const auto ns = static_cast<int>(S.front().cols());
+  int ns = 0;
+  for (const Candidate& c : beside) ns += c.count;
   std::vector<int> columns(static_cast<std::size_t>(ns));
   std::iota(columns.begin(), columns.end(), 0);
 
   const auto run = [&](int rounds) {
     MixedFit fit;
     for (int round = 0; round < rounds; ++round) {
-      if (!beside.empty()) fill_beside();
+      if (round == 0 || ns > 0) fill_beside();
       MixedProblem problem;
       set_repeatability(problem, w.input.single, w.zero_wanders, w.tells_swing);
       problem.ns = ns;

@@ -100,6 +100,10 @@ bool OwnDecay::is_decay(bool others_decay) const {
   return mean_square < (1.0 - least.share) * static_mean_square && depth > least.depth;
 }
 
+bool some_decay(const std::vector<OwnDecay>& records) {
+  return std::ranges::any_of(records, [](const OwnDecay& own) { return own.is_decay(); });
+}
+
 bool decays_by_itself(const RecordInput& record) {
   return own_decay(record, choose_rows(record, kRows)).is_decay();
 }
@@ -126,7 +130,7 @@ void settle_excitations(std::vector<RecordInput>& records, unsigned threads) {
     r.F_min_N = lowest_force_of_decay(r);
     own[k] = own_decay(r, choose_rows(r, kRows));
   });
-  const bool others_decay = std::ranges::any_of(own, [](const OwnDecay& o) { return o.is_decay(); });
+  const bool others_decay = some_decay(own);
   for (std::size_t k = 0; k < records.size(); ++k) {
     RecordInput& r = records[k];
     if (!r.dynamic || !r.dynamic_assumed || !r.frequency_jumps_s.empty() || own[k].is_decay(others_decay)) continue;

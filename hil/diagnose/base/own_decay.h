@@ -22,6 +22,9 @@ struct OwnDecay {
   bool is_decay(bool others_decay = false) const;
 };
 
+/// Whether one of them is a decay by itself, beside which less is enough for the others.
+bool some_decay(const std::vector<OwnDecay>& records);
+
 /// A rate of the grid is off by up to a third of itself. That is enough where a fit begins with it; what a decay leaves needs the rate between.
 enum class Rates { of_grid, between };
 OwnDecay own_decay(const RecordInput& record, const std::vector<std::size_t>& rows, Rates rates = Rates::of_grid);

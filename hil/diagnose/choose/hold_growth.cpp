@@ -4,7 +4,9 @@
 #include <cmath>
 #include <vector>
 
+#include "hil/diagnose/raw/sample_noise.h"
 #include "hil/model/states.h"
+#include "hil/trace/static_line.h"
 
 namespace forcegate::diagnose {
 
@@ -48,18 +50,7 @@ std::vector<Rows> still_rows(const RecordInput& r, double span_N) {
   return out;
 }
 
-// Of neighbouring rows, which a load that moves hardly changes.
-double noise_N(const RecordInput& r) {
-  std::vector<double> step;
-  for (std::size_t i = 1; i < r.rows(); ++i)
-    if (r.ok[i] != 0 && r.ok[i - 1] != 0) step.push_back(std::abs(r.F_N[i] - r.F_N[i - 1]));
-  if (step.empty()) return 0.0;
-  const auto middle = step.begin() + static_cast<std::ptrdiff_t>(step.size() / 2);
-  std::nth_element(step.begin(), middle, step.end());
-  return 1.05 * *middle;  // of a normal distribution
-}
-
-// Growth by one tenth a decade of time after a step, and what is left of it after unloading.
+// Growth by the load itself in a decade of time after a step, and what is left of it after unloading.
 std::vector<double> growth_of(const RecordInput& r) {
   std::vector<double> tau_s, weight;
   for (double tau = 0.3; tau < 4000.0; tau *= std::sqrt(10.0)) tau_s.push_back(tau), weight.push_back(0.5);
@@ -68,16 +59,15 @@ std::vector<double> growth_of(const RecordInput& r) {
 
 // Volts per newton of the record at large.
 double slope_of(const RecordInput& r) {
-  double n = 0.0, F = 0.0, U = 0.0, FF = 0.0, FU = 0.0;
+  StaticLine line;
   for (std::size_t i = 0; i < r.rows(); ++i)
-    if (r.ok[i] != 0) n += 1.0, F += r.F_N[i], U += r.U_V[i], FF += r.F_N[i] * r.F_N[i], FU += r.F_N[i] * r.U_V[i];
-  const double variance = FF - F * F / n;
-  return n > 1.0 && variance > 0.0 ? (FU - F * U / n) / variance : 0.0;
+    if (r.ok[i] != 0) line.push(r.U_V[i], r.F_N[i]);
+  return line.n() > 1.0 && line.variance_N2() > 0.0 ? line.covariance_VN() / line.variance_N2() : 0.0;
 }
 
 void add_holds(const RecordInput& r, double range_N, std::vector<Hold>& up, std::vector<Hold>& down) {
   constexpr double kRangeOfNoise = 7.0;  // what thousands of rows span
-  const std::vector<Rows> still = still_rows(r, kWithin * range_N + kRangeOfNoise * noise_N(r));
+  const std::vector<Rows> still = still_rows(r, kWithin * range_N + kRangeOfNoise * white_noise(r.F_N));
   if (still.empty()) return;
   const double slope = slope_of(r);
   if (slope == 0.0) return;

@@ -14,13 +14,19 @@ namespace {
 
 using namespace characterize;
 
-TEST(Recording, of_cycles_gives_the_decay_that_is_in_it) {
+// Twenty minutes of cycles at 0.5 Hz with a = 4 V, b = 0.006 1/s and c = 1 V, behind a rest.
+RecordedRig decaying_cycles(double rest_s = 0.0) {
   RecordedRig rig;
-  for (int i = 0; i < 120000; ++i) {
-    const double t = 0.01 * i, s = 0.5 - 0.5 * std::cos(2.0 * 3.14159265358979 * 0.5 * t);
+  for (int i = 0; i < static_cast<int>(100.0 * (rest_s + 1200.0)); ++i) {
+    const double t = 0.01 * i - rest_s, s = t < 0.0 ? 0.0 : 0.5 - 0.5 * std::cos(2.0 * 3.14159265358979 * 0.5 * t);
     rig.force_N.push_back(static_cast<float>(1.0 + 3.0 * s));
     rig.sensor_V.push_back(static_cast<float>(2.0 + s * (4.0 * std::exp(-0.006 * t) + 1.0)));
   }
+  return rig;
+}
+
+TEST(Recording, of_cycles_gives_the_decay_that_is_in_it) {
+  RecordedRig rig = decaying_cycles();
   BenchProgress progress;
   const SessionSheet sheet = value_or_abort(characterize_recording(rig, "r", progress));
   EXPECT_NEAR(sheet.value("recording.frequency"), 0.5, 0.001);
@@ -33,13 +39,7 @@ TEST(Recording, of_cycles_gives_the_decay_that_is_in_it) {
 }
 
 TEST(Recording, counts_the_time_of_the_decay_from_the_first_cycle) {
-  constexpr double kRest_s = 200.0;
-  RecordedRig rig;
-  for (int i = 0; i < 140000; ++i) {
-    const double t = 0.01 * i - kRest_s, s = t < 0.0 ? 0.0 : 0.5 - 0.5 * std::cos(2.0 * 3.14159265358979 * 0.5 * t);
-    rig.force_N.push_back(static_cast<float>(1.0 + 3.0 * s));
-    rig.sensor_V.push_back(static_cast<float>(2.0 + s * (4.0 * std::exp(-0.006 * t) + 1.0)));
-  }
+  RecordedRig rig = decaying_cycles(200.0);
   BenchProgress progress;
   const SessionSheet sheet = value_or_abort(characterize_recording(rig, "r", progress));
   EXPECT_NEAR(sheet.value("recording.a"), 4.0, 0.03);
