@@ -35,10 +35,10 @@ double held_out_rms(const Workspace& w, std::vector<double> square, const std::v
   return w.output.scale * std::sqrt(judged(w.output, square, w.judges));
 }
 
-// As a diagnosis judges: both models follow a record by the spreads of the base. What an effect between records changes (variants `between`), a
-// record's own gain and zero would hide.
-double held_out_rms(const Workspace& w, const MixedFit& fit, const MixedFit& base, const std::vector<int>& between) {
-  return held_out_rms(w, between.empty() ? judge(w.output, fit, base, w.judges).adapted : judge_levels(w.output, fit, base, w.judges), between);
+// As a diagnosis judges: models that are compared follow a record by the same spreads, those of `freedom`. What an effect between records changes
+// (variants `between`), a record's own gain and zero would hide.
+double held_out_rms(const Workspace& w, const MixedFit& fit, const MixedFit& freedom, const std::vector<int>& between) {
+  return held_out_rms(w, between.empty() ? judge(w.output, fit, freedom, w.judges).adapted : judge_levels(w.output, fit, freedom, w.judges), between);
 }
 
 ModelEffect effect_of(const Workspace& w, int index, const MixedFit& fit, const ShapeCovariance& joint) {
@@ -55,26 +55,26 @@ ModelEffect effect_of(const Workspace& w, int index, const MixedFit& fit, const 
 
 // `chain`: the fits by which the model was made, with the first k effects each. One error has one value: no fit of them is made anew.
 ErrorsOfEffects errors_of_effects(const Workspace& w, const std::vector<std::pair<std::string, std::vector<int>>>& effects, const std::vector<MixedFit>& chain,
-                                  const std::vector<int>& between) {
+                                  const MixedFit& freedom, const std::vector<int>& between) {
   const MixedFit& base = chain.front();
   ErrorsOfEffects out;
   for (const auto& [name, columns] : effects) out.effects.push_back(name);
   const std::size_t n = effects.size();
   if (!out.all_orders()) {
-    for (const MixedFit& fit : chain) out.error.push_back(held_out_rms(w, fit, base, between));
+    for (const MixedFit& fit : chain) out.error.push_back(held_out_rms(w, fit, freedom, between));
     return out;
   }
   for (unsigned mask = 0; mask < 1u << n; ++mask) {
     const auto taken = static_cast<std::size_t>(std::popcount(mask));
     if (mask == (1u << taken) - 1u) {
-      out.error.push_back(held_out_rms(w, chain[taken], base, between));
+      out.error.push_back(held_out_rms(w, chain[taken], freedom, between));
       continue;
     }
     std::vector<int> columns = base.columns;
     for (std::size_t k = 0; k < n; ++k)
       if ((mask >> k & 1u) != 0) columns.insert(columns.end(), effects[k].second.begin(), effects[k].second.end());
     const MixedFit fit = fit_mixed(w.output.problem, columns, &base, 10);
-    out.error.push_back(fit.valid ? held_out_rms(w, fit, base, between) : kMissing);
+    out.error.push_back(fit.valid ? held_out_rms(w, fit, freedom, between) : kMissing);
   }
   return out;
 }
@@ -255,16 +255,18 @@ void measure(Workspace& w, const FittedEffects& fitted, bool adds, Fitted& made)
     return moves_levels(candidate_of(w.output, v));
   });
   out.levels = !between.empty();
-  out.error_before = held_out_rms(w, before, law, between);
-  out.error_after = held_out_rms(w, now, law, between);
-  out.plain_before = held_out_rms(w, judge(w.output, before, law, w.judges).plain, between);
-  std::vector<double> plain = judge(w.output, now, law, w.judges).plain;
+  // what is added by the spreads of the diagnosis that proposed it, a model by its own: a law that lacks its effects takes its errors for noise
+  const MixedFit& freedom = adds ? before : now;
+  out.error_before = held_out_rms(w, before, freedom, between);
+  out.error_after = held_out_rms(w, now, freedom, between);
+  out.plain_before = held_out_rms(w, judge(w.output, before, freedom, w.judges).plain, between);
+  std::vector<double> plain = judge(w.output, now, freedom, w.judges).plain;
   for (const double square : plain) out.plain_after_of_record.push_back(w.output.scale * std::sqrt(square));
   out.plain_after = held_out_rms(w, std::move(plain), between);
   std::vector<double> noise;
   for (const double noise_V : w.noise_V) noise.push_back(noise_V * noise_V / (w.output.scale * w.output.scale));
   out.floor = std::min(held_out_rms(w, std::move(noise), between), out.error_after);
-  made.errors = errors_of_effects(w, fitted.columns, fitted.chain, between);
+  made.errors = errors_of_effects(w, fitted.columns, fitted.chain, freedom, between);
   draw_waterfall(made.errors, w.output.unit, out);
 }
 

@@ -14,8 +14,9 @@ namespace {
 
 constexpr double kRate_Hz = 25.0, kLag_s = 0.055, kGain_V_per_N = 1.7;
 
-// Ten minutes of a sine each, all about one mean and with one amplitude: nothing but the cycles tells of the gain.
-Campaign cycles(double loss) {
+// Ten minutes of a sine each, all about one mean and with one amplitude: nothing but the cycles tells of the gain. From record to record the loss
+// grows by `spread` of itself.
+Campaign cycles(double loss, double spread = 0.0) {
   Campaign c;
   c.name = "cycles";
   c.bench.voltage_min_V = 0.0;
@@ -38,7 +39,7 @@ Campaign cycles(double loss) {
     const double gain = kGain_V_per_N * (1.0 + 0.01 * rng.normal()), zero = 0.2 + 0.01 * rng.normal();
     std::vector<double> U;
     for (std::size_t i = 0; i < F.size(); ++i) {
-      const double t = clock.t_s[i], D = 1.0 - loss * (0.6 * -std::expm1(-t / 400.0) + 0.4 * -std::expm1(-t / 2500.0)) / 0.55;
+      const double t = clock.t_s[i], D = 1.0 - loss * (1.0 + spread * (k - 2)) * (0.6 * -std::expm1(-t / 400.0) + 0.4 * -std::expm1(-t / 2500.0)) / 0.55;
       U.push_back(gain * (0.67 + D * (late[i] - 0.67)) + zero + 0.008 * rng.normal());
       F[i] += 0.003 * rng.normal();
     }
@@ -63,6 +64,16 @@ TEST(DecayingLag, TheGainOfCyclesOfOneLowestForceIsFitted) {
   const auto fitted = refit_campaign(cycles(0.16), of_fsr(), *library_model("fsr"), "");
   ASSERT_TRUE(fitted) << fitted.error().to_text();
   EXPECT_NEAR(1.0 / fitted->model.law.gain_N_per_V, kGain_V_per_N, 0.05 * kGain_V_per_N);
+}
+
+// The spreads of a law that lacks its lag are those of its errors: by them no record followed its own decay.
+TEST(DecayingLag, AFitIsJudgedAsTheDiagnosisOfItsModel) {
+  const auto fitted = refit_campaign(cycles(0.16, 0.5), of_fsr(), *library_model("fsr"), "");
+  ASSERT_TRUE(fitted) << fitted.error().to_text();
+  const auto d = diagnose_campaign(cycles(0.16, 0.5), options_of(fitted->model));
+  ASSERT_TRUE(d) << d.error().to_text();
+  EXPECT_NEAR(fitted->error_after, d->error_before, 0.1 * d->error_before);
+  EXPECT_GT(fitted->error_before, 5.0 * fitted->error_after);
 }
 
 // Edges hide a small decay from the columns of lag; where the other record decays plainly it is one.

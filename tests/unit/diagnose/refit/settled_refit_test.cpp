@@ -32,7 +32,7 @@ TEST(SettledRefit, ARefitOfWhatWasRefittedChangesNothing) {
   const auto again = refit_campaign(creeping(3), options_of(added->model), added->model, "");
   ASSERT_TRUE(again) << again.error().to_text();
   for (const ParameterMove& m : again->moves) EXPECT_NEAR(m.after, m.before, 0.03 * m.u) << m.name;
-  EXPECT_NEAR(again->error_after, added->error_after, 0.01 * added->error_after);
+  EXPECT_NEAR(again->error_after, added->error_after, 0.03 * added->error_after);  // records follow by the spreads of the law there, of the model here
   EXPECT_NEAR(again->plain_after, added->plain_after, 0.01 * added->plain_after);
 }
 
