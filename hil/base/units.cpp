@@ -84,7 +84,7 @@ struct Word {
 constexpr std::array kWords = {
     Word{"sec", "s"},           Word{"second", "s"},       Word{"msec", "ms"},      Word{"millisecond", "ms"}, Word{"usec", "us"},
     Word{"microsecond", "us"},  Word{"minute", "min"},     Word{"hour", "h"},       Word{"newton", "N"},       Word{"millinewton", "mN"},
-    Word{"kilonewton", "kN"},   Word{"lb", "lbf"},         Word{"volt", "V"},       Word{"millivolt", "mV"},   Word{"microvolt", "uV"},
+    Word{"kilonewton", "kN"},   Word{"lb", "lbf"},         Word{"gram", "gf"},         Word{"volt", "V"},       Word{"millivolt", "mV"},   Word{"microvolt", "uV"},
 };
 
 bool is_word(std::string_view symbol, std::string_view word) {

@@ -54,6 +54,18 @@ std::optional<NamedColumn> clock_in_capitals(std::string_view header) {
   return NamedColumn{name, *unit};
 }
 
+/// "F_ref_g", "Force (g)", "weight [g]": what is named as a force or a mass is no acceleration.
+std::optional<NamedColumn> grams_of_force(std::string_view header) {
+  const bool bracket = header.ends_with("(g)") || header.ends_with("[g]");
+  if (!bracket && !header.ends_with("_g")) return std::nullopt;
+  const std::string name = identifier(header.substr(0, header.size() - (bracket ? 3 : 2))), word = ascii_lower(name);
+  static constexpr std::array kForces = {"force", "kraft", "load_cell", "loadcell", "weight", "gewicht", "mass"};  // a "load" may be one of turning
+  const bool force = std::ranges::any_of(kForces, [&](const char* f) { return word.find(f) != std::string::npos; });
+  // "F_g" may be gravity's
+  if (!force && !word.starts_with("f_") && word != "fref" && !(bracket && word == "f")) return std::nullopt;
+  return NamedColumn{name, *find_unit("gf")};
+}
+
 /// Unit in brackets or after a slash: "Force (mN)".
 std::optional<NamedColumn> split_bracket(std::string_view header) {
   header = trim(header);
@@ -97,6 +109,7 @@ ColumnMeaning meaning_of(std::string_view header) {
   auto named = split_bracket(header);
   if (!named) named = split_unit_suffix(trim(header));
   if (!named) named = split_last_word(header);
+  if (!named) named = grams_of_force(trim(header));
   if (!named || named->unit.quantity != "time")
     if (auto clock = clock_in_capitals(header)) named = std::move(clock);
   if (named) {

@@ -158,8 +158,10 @@ Result<bool> CsvParser::row_of_units(std::string_view line) {
       FORCEGATE_CHECK_OK(add_unit(table_.columns[c].header, symbol, static_cast<std::size_t>(cells_[c].data() - line.data()) + 1));
       continue;
     }
-    unknown.push_back(in_quotes(symbol) + " of column " + in_quotes(table_.columns[c].header));
-    table_.columns[c].header += " (" + printable_utf8(symbol) + ")";
+    std::string& header = table_.columns[c].header;
+    const std::string with_unit = header + " (" + printable_utf8(symbol) + ")";
+    if (meaning_of(with_unit).unit.symbol.empty()) unknown.push_back(in_quotes(symbol) + " of column " + in_quotes(header));
+    header = with_unit;
   }
   table_.notes.push_back("the second line was read as the units of the columns");
   if (!unknown.empty()) table_.notes.push_back("no unit known here: " + join(unknown, ", "));

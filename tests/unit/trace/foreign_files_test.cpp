@@ -147,6 +147,20 @@ TEST(ForeignFiles, AUnitThatAMapLosesIsTold) {
   EXPECT_DOUBLE_EQ(read("t_s,F_cN,U_V\n0,1,2\n1,2,3\n").trace.find("F_ref")->value[1], 2e-2);
 }
 
+// A force is no acceleration.
+TEST(ForeignFiles, GramsOfAForceAreGramForce) {
+  for (const char* name : {"F_ref_g", "Force (g)", "Force [g]", "F (g)", "weight_g", "Load_cell_g", "Fref_grams", "F_ref_gf"}) {
+    const auto f = read("t_s," + std::string(name) + ",U_V\n0,1,2\n1,100,3\n");
+    ASSERT_NE(f.trace.find("F_ref"), nullptr) << name;
+    EXPECT_NEAR(f.trace.find("F_ref")->value[1], 0.980665, 1e-12) << name;
+  }
+  const auto below = read("t,Force,U\ns,g,V\n0,1,2\n1,100,3\n");
+  ASSERT_NE(below.trace.find("F_ref"), nullptr);
+  EXPECT_NEAR(below.trace.find("F_ref")->value[1], 0.980665, 1e-12);
+  EXPECT_THAT(below.notes, ::testing::Not(Contains(HasSubstr("no unit known"))));
+  for (const char* name : {"load_g", "F_g", "acc_g", "g"}) EXPECT_EQ(read("t_s," + std::string(name) + ",U_V\n0,1,2\n1,100,3\n").trace.find("F_ref"), nullptr) << name;
+}
+
 TEST(ForeignFiles, ANoteOfEveryRecordIsToldOnce) {
   const auto folder = std::filesystem::path(::testing::TempDir()) / "forcegate_foreign_folder";
   std::filesystem::remove_all(folder);
