@@ -139,6 +139,19 @@ bool is_skew_of_sweep(const Asked& a) {
   return a.f.effect == "clock_skew" && a.f.form == "linear" && time_as_frequency(a.w.input) > kSame;
 }
 
+// Conduction by tunnelling and hopping grows with the temperature. Heat that goes with the square of the drive is heat, whatever its sign.
+bool is_sagging_heat(const Asked& a) {
+  constexpr double kSame = 0.2;
+  double low = std::numeric_limits<double>::infinity(), high = 0.0;
+  for (const RecordInput& r : a.w.input.records)
+    if (std::isfinite(r.drive_mean_V)) {
+      low = std::min(low, std::abs(r.drive_mean_V));
+      high = std::max(high, std::abs(r.drive_mean_V));
+    }
+  return a.f.effect == "self_heating" && !(high > (1.0 + kSame) * low) &&
+         std::ranges::any_of(a.f.parameters, [](const FoundParameter& p) { return (p.name == "c" || p.name.ends_with(".c")) && p.value < 0.0; });
+}
+
 // No form of a loop or a curve is right everywhere; what acts between records is judged by levels.
 bool helps_few(const Asked& a) {
   constexpr double kMost = 0.75;
@@ -163,6 +176,7 @@ constexpr std::pair<Cap, bool (*)(const Asked&)> kTests[] = {
     {Cap::ordinary_servo, is_ordinary_servo},
     {Cap::bump_that_stays, is_bump_that_stays},
     {Cap::skew_of_sweep, is_skew_of_sweep},
+    {Cap::sagging_heat, is_sagging_heat},
     {Cap::helps_few, helps_few},
 };
 

@@ -26,6 +26,7 @@ enum class Cap {
   ordinary_servo,
   bump_that_stays,     ///< after a change of frequency
   skew_of_sweep,       ///< of two clocks, where the force has its own frequency at every time
+  sagging_heat,        ///< of a film, that lowers its gain, at one drive
   helps_few,           ///< of the records, or parts, that it touches
   curve_of_loop,
   curve_of_codes,
@@ -58,6 +59,8 @@ inline constexpr std::array kCaps = {
     CapRow{Cap::ordinary_servo, "ordinary_servo", kWithdrawn, "nobody reads the angle, and a servo leaves as much between command and force"},
     CapRow{Cap::bump_that_stays, "bump_that_stays", kNoClaim, "it is not seen to fade back: a gain that goes with the frequency leaves the same", true},
     CapRow{Cap::skew_of_sweep, "skew_of_sweep", kNoClaim, "the force goes faster and faster: a shift that grows with its frequency, as a mass or a filter makes, looks the same", true},
+    CapRow{Cap::sagging_heat, "sagging_heat", kNoClaim,
+           "a warm film conducts better, and this gain falls while the load lasts: a stage that leaks, tracks its zero or levels its gain does that too; two drive voltages would tell"},
     CapRow{Cap::helps_few, "helps_few", kNoClaim, "a law of the sensor or an instrument helps wherever it acts, and this one misses more than a quarter of it", true},
     CapRow{Cap::curve_of_loop, "curve_of_loop", kNoClaim,
            "a loop that is wider at one end of the force has a curve of its own: it is asked again once the loop is in the model"},

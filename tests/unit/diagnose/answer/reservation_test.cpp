@@ -1,6 +1,8 @@
 // What is there, and is no finding: an ordinary curve.
 
 #include "hil/diagnose/answer/reservation.h"
+#include <array>
+
 #include "hil/base/read_file.h"
 #include "tests/unit/diagnose/made_campaign.h"
 
@@ -55,6 +57,26 @@ double spikes_beside_codes(double size_V) {
 TEST(Reservation, SpikesNoLargerThanTheStepsOfTheCodesAreTheirs) {
   EXPECT_LT(spikes_beside_codes(0.5), 0.5);
   EXPECT_EQ(spikes_beside_codes(0.8), 0.95);
+}
+
+// Of a gain that changes by `c` behind the load, in two records driven by `drive_V`.
+double self_heating(double c, std::array<double, 2> drive_V) {
+  Workspace w;
+  w.input.records.resize(2);
+  for (std::size_t k = 0; k < 2; ++k) w.input.records[k].drive_mean_V = drive_V[k];
+  Finding f;
+  f.effect = "self_heating";
+  f.probability = 0.98;
+  f.parameters = {{"tau_s", 40.0, 1.0, "s"}, {"c", c, 0.001, "1"}};
+  reserve(w, ResidualChannel{}, MixedFit{}, f);
+  return f.probability;
+}
+
+TEST(Reservation, AGainThatFallsWhileTheLoadLastsIsHeatWhereTwoDrivesTell) {
+  EXPECT_EQ(self_heating(-0.02, {kMissing, kMissing}), kNoClaim);
+  EXPECT_EQ(self_heating(-0.02, {5.0, 5.0}), kNoClaim);
+  EXPECT_EQ(self_heating(-0.02, {5.0, 3.0}), 0.98);
+  EXPECT_EQ(self_heating(0.02, {5.0, 5.0}), 0.98);
 }
 
 // U = 0.2 + 2 F + `error_V`(F), and a reference that is fine enough to show it.
