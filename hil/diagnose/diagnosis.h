@@ -207,6 +207,7 @@ struct NextExperiment {
 
 struct Repeatability {  ///< spread between records, estimated from the campaign
   double gain = 0.0, offset_V = 0.0, log_b = 0.0, log_q = 0.0;
+  double wander_V = 0.0;  ///< of the zero within a record, RMS
 };
 
 /// The model with the effects up to this one; the first step, without a name, is the base law with bad samples and mains set aside.

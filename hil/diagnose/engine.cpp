@@ -22,6 +22,7 @@
 #include "hil/diagnose/answer/verdict.h"
 #include "hil/diagnose/answer/wide_scatter.h"
 #include "hil/diagnose/answer/withdrawals.h"
+#include "hil/diagnose/base/repeatability.h"
 #include "hil/diagnose/base_errors.h"
 #include "hil/diagnose/base/whole_recording.h"
 #include "hil/diagnose/choose/outdone.h"
@@ -129,6 +130,20 @@ void tell_wide_scatter(const Workspace& w, const Selection& selection, Diagnosis
   out.follows = {scatter->follows};
 }
 
+// What the records' own wander takes up, no effect is asked about.
+void tell_moving_zero(const Workspace& w, const MixedFit& fit, Diagnosis& out) {
+  std::optional<MovingZero> zero = moving_zero_of_records(w, fit);
+  const auto found = std::ranges::find(out.findings, std::string("reference_drift"), &Finding::effect);
+  if (!zero || (found != out.findings.end() && found->claimed())) return;
+  if (found == out.findings.end())
+    out.findings.insert(std::ranges::find_if(out.findings, [&](const Finding& f) { return f.probability < zero->finding.probability; }), zero->finding);
+  if (zero->follows.empty() || out.verdict == DiagnosisVerdict::unknown) return;
+  if (out.verdict == DiagnosisVerdict::known) out.residual_unknown = true;
+  else out.verdict = DiagnosisVerdict::unknown;
+  out.depends_on = {"time"};
+  out.follows = {std::move(zero->follows)};
+}
+
 // The model's own effects are no candidates, nor are their other forms: where its forms leave far more than the instruments may and others of the
 // same families do not, nothing is chosen, and yet it is no "none".
 bool form_falls_short(const EngineOptions& options, const Selection& selection, const Remainder& rest) {
@@ -184,7 +199,13 @@ void tell_coloured_noise(const Remainder& rest, Diagnosis& out) {
 
 Repeatability repeatability_of(const Workspace& w, const MixedFit& fit) {
   const auto sd = [&](int k) { return std::sqrt(fit.variance[k]); };
-  return {sd(0), sd(1) * w.output.scale, sd(2), sd(3)};
+  double wander = 0.0, n = 0.0;
+  for (std::size_t k = 0; k < fit.zeta.size(); ++k) {
+    const double of_record = wander_of(fit, k);
+    wander += of_record * of_record;
+    n += of_record > 0.0 ? 1.0 : 0.0;
+  }
+  return {sd(0), sd(1) * w.output.scale, sd(2), sd(3), n > 0.0 ? std::sqrt(wander / n) * w.output.scale : 0.0};
 }
 
 void add_null_scores(const Workspace& w, const Search& search, unsigned threads, Diagnosis& out) {
@@ -252,6 +273,7 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
 
   collect_findings(w, search, rest, out);
   const Withdrawals withdrawn = withdraw(w, selection, rest, options.threads, out);
+  leave_creep_to_moving_zero(w, selection.final, out.findings);
   put_in_order(out.findings);
   tell_not_separable(selection, out);
   if (rig_is_judged(w, search)) tell_not_separable(search.rig, out);
@@ -278,6 +300,7 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   out.repeatability = repeatability_of(w, selection.final);
   claim_unloaded_zero(w, claimed, out);
   tell_wide_scatter(w, selection, out);
+  tell_moving_zero(w, selection.final, out);
   tell_decay(w, selection.final, options.threads, out);
   add_refused(search, out);
   suspect_refused(w, search.rules, out);

@@ -114,8 +114,8 @@ std::string comparison_text(const ModelComparison& c) {
   }
   if (blocks) out += fmt::format("as written, the whole recording: {} {}\n", plain_number(unit.factor * c.as_written.front().rmse_V), unit.name);
   out +=
-      "\nas written: the file's own numbers. refitted: one law for all records. adapted: each record with its own gain, offset\n"
-      "and decay within the spread of the campaign. floor: what the instruments may leave.\n\nwhere the residual sits:\n";
+      "\nas written: the file's own numbers. refitted: one law for all records. adapted: each record with its own gain, offset,\n"
+      "decay and slow wander of the zero within the spread of the campaign. floor: what the instruments may leave.\n\nwhere the residual sits:\n";
   constexpr double kLeastShare = 0.005;
   for (std::size_t k = 0; k < d.maps.size() && k < 4 && d.maps[k].share > kLeastShare; ++k)
     out += fmt::format("  {:<26} {:>4.0f} %  {}\n", d.maps[k].coordinate, 100.0 * d.maps[k].share,
@@ -123,10 +123,10 @@ std::string comparison_text(const ModelComparison& c) {
   if (d.maps.empty() || d.maps.front().share <= kLeastShare)
     out += "  nowhere in particular: no coordinate predicts it on rows that it was not made from\n";
   out +=
-      fmt::format("repeatability between records: gain {:.2g} %, offset {} {}, b {:.2g} %, q {:.2g} %\n",
+      fmt::format("repeatability between records: gain {:.2g} %, offset {} {}, b {:.2g} %, q {:.2g} %; the zero within a record: {} {} RMS\n",
                   100.0 * d.repeatability.gain, plain_number(unit.factor * d.repeatability.offset_V), unit.name,
                   100.0 * d.repeatability.log_b,
-                  100.0 * d.repeatability.log_q);
+                  100.0 * d.repeatability.log_q, plain_number(unit.factor * d.repeatability.wander_V), unit.name);
   return out;
 }
 

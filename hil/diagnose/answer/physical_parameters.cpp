@@ -106,14 +106,29 @@ std::vector<FoundParameter> width(const CampaignInput& campaign, const ResidualC
   return {added.difference(up, down, 1.0, "loop_width_N", "N"), added.difference(up, down, 100.0 / campaign.range_N, "loop_width", "% of span")};
 }
 
-// Behind a steady ramp, far from its ends: a lead has no force to read behind the last row. A loss of rate shows between two places.
+// Of a lag: its forms have several poles at most.
+double slowest_s(const ResidualChannel& channel, const ChosenEffect& chosen) {
+  double out = 0.0;
+  std::vector<int> variants = {chosen.variant};
+  variants.insert(variants.end(), chosen.further.begin(), chosen.further.end());
+  for (const int v : variants) {
+    const Candidate& c = candidate_of(channel, v);
+    for (std::size_t k = 0; k < c.shape.size(); ++k)
+      if (c.form->shape[k].unit == "s") out = std::max(out, std::abs(c.shape[k]));
+  }
+  return out;
+}
+
+// Behind a steady ramp, far from its ends: a lead has no force to read behind the last row, and a lag is behind by its time only when that is long
+// over. A loss of rate shows between two places.
 std::vector<FoundParameter> behind(const CampaignInput& campaign, const ResidualChannel& channel, const ChosenEffect& chosen,
                                    const ShapeCovariance& joint) {
   constexpr int kSteps = 4000, kLate = 3 * kSteps / 4;
-  constexpr double kStep_s = 0.01, kRate_N_per_s = 1.0;
+  constexpr double kRate_N_per_s = 1.0, kLongOver = 20.0;
+  const double step_s = std::max(0.01, chosen.kind->name == "lag" ? kLongOver * slowest_s(channel, chosen) / kLate : 0.0);
   std::vector<double> t, F;
   for (int k = 0; k <= kSteps; ++k) {
-    t.push_back(kStep_s * k);
+    t.push_back(step_s * k);
     F.push_back(kRate_N_per_s * t.back());
   }
   RecordInput ramp = trial(std::move(t), std::move(F));
@@ -121,7 +136,7 @@ std::vector<FoundParameter> behind(const CampaignInput& campaign, const Residual
   const Response added = response(campaign, channel, chosen, joint, ramp);
   if (candidate_of(channel, chosen.variant).form->name == "lost_blocks") return {added.at(kLate, -1.0 / kRate_N_per_s, "block_s", "s")};
   if (chosen.kind->name == "clock_skew")
-    return {added.difference(kLate, kSteps / 2, -1.0 / (kRate_N_per_s * kStep_s * (kLate - kSteps / 2)), "skew", "1")};
+    return {added.difference(kLate, kSteps / 2, -1.0 / (kRate_N_per_s * step_s * (kLate - kSteps / 2)), "skew", "1")};
   return {added.at(kLate, -1.0 / kRate_N_per_s, chosen.kind->name + "_s", "s")};
 }
 

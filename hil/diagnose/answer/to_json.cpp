@@ -48,7 +48,7 @@ Json finding_json(const Finding& f, const Diagnosis& d) {
   return out;
 }
 
-Json adapted_json(bool levels) { return levels ? Json{"decay"} : Json{"gain", "zero", "decay"}; }
+Json adapted_json(bool levels) { return levels ? Json{"decay", "wander"} : Json{"gain", "zero", "decay", "wander"}; }
 
 Json map_json(const ResidualMap& m) {
   Json cells = Json::array();
@@ -116,7 +116,8 @@ std::string to_json(const Diagnosis& d) {
   out["repeatability"] = {{"gain", number(d.repeatability.gain)},
                           {"offset_V", number(d.repeatability.offset_V)},
                           {"log_b", number(d.repeatability.log_b)},
-                          {"log_q", number(d.repeatability.log_q)}};
+                          {"log_q", number(d.repeatability.log_q)},
+                          {"wander_V", number(d.repeatability.wander_V)}};
   out["not_separable"] = d.not_separable;
   out["expected_false"] = number(d.expected_false);
   Json segments = Json::array();

@@ -141,6 +141,20 @@ double bend_of(const MixedFit& fit, std::size_t k, double since_s) {
   return out;
 }
 
+double wander_of(const MixedFit& fit, std::size_t k) { return std::sqrt(0.5) * fit.zeta[k].segment(kFirstWave, kWaves).norm(); }
+
+double wander_range_of(const MixedFit& fit, std::size_t k) {
+  constexpr int kPlaces = 64;
+  double low = HUGE_VAL, high = -HUGE_VAL;
+  for (int i = 0; i <= kPlaces; ++i) {
+    double at = 0.0;
+    for (int j = 0; j < kWaves; ++j) at += fit.zeta[k][kFirstWave + j] * std::cos(std::numbers::pi * (j + 1) * i / kPlaces);
+    low = std::min(low, at);
+    high = std::max(high, at);
+  }
+  return high - low;
+}
+
 void follow_course(const MixedFit& fit, std::size_t k, RecordInput& r) {
   constexpr double kLeastGain = 0.1;
   const double gain = fit.coefficient[0] + fit.zeta[k][0], swing = fit.coefficient[kSwing] + fit.zeta[k][kSwing];

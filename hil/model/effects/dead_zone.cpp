@@ -64,7 +64,7 @@ const Registration<EffectKind> kRegistered{
                .forms = {form("distributed", Gap::distributed, CurveAt::force, {0.01, 0.02, 0.04, 0.08}),
                          form("distributed_after_decay", Gap::distributed, CurveAt::decayed, {0.02, 0.05}),
                          form("distributed_of_swing", Gap::distributed, CurveAt::swing, {0.02, 0.06}),
-                         form("hard", Gap::hard, CurveAt::force, {0.01, 0.02, 0.04, 0.08, 0.15, 0.3}),
+                         form("hard", Gap::hard, CurveAt::force, {0.01, 0.02, 0.04, 0.08, 0.15, 0.21, 0.3}),
                          form("closing", Gap::closing, CurveAt::force, {0.005, 0.015, 0.04, 0.1}),
                          form("skewed", Gap::skewed, CurveAt::force, {0.02, 0.04, 0.08, 0.15}),
                          form("spread", Gap::spread, CurveAt::force, {0.04, 0.1, 0.2, 0.3}),

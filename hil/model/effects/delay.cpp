@@ -1,6 +1,7 @@
 // Pure delay between the reference's clock and the sensor's: dU = g D c (F(t - d) - F(t)), c = 1 for a whole delay.
 
 #include "hil/model/effect.h"
+#include "hil/model/shift_of_start.h"
 #include "hil/model/states.h"
 #include "hil/model/time_scale.h"
 
@@ -34,6 +35,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
                // two loggers that were started by hand
                for (const double delay_s : {0.14, 0.2, 0.28, 0.4, 0.56, 0.8, -0.25, -0.35, -0.5, -0.7, -1.0})
                  out.push_back({delay_s * scales.back()});
+               if (const double shift_s = shift_of_start(campaign); shift_s != 0.0) out.push_back({shift_s});
                return out;
              },
          .columns =

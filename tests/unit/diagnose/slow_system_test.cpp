@@ -94,6 +94,13 @@ TEST(SlowSystem, AFolderOfFilesThatNobodyDescribedMayBeASlowMachineToo) {
   EXPECT_NEAR(value_of(first(d), "lag_s"), 3.0, 0.1) << told(d);
 }
 
+// Behind a ramp that ends before the lag is over, it would be told as less.
+TEST(SlowSystem, ALagOfAMinuteIsToldWithItsTime) {
+  const Diagnosis d = answer(recording(10.0, 9000, steps(90.0, 11), [](const Series& t, const Series& x) { return straight_line(low_pass(t, x, 60.0)); }, 0.003));
+  EXPECT_EQ(first(d).effect, "lag") << told(d);
+  EXPECT_NEAR(value_of(first(d), "lag_s"), 60.0, 1.0) << told(d);
+}
+
 // The other way round: most of the load is answered at once, and the rest grows with one time constant of some seconds.
 TEST(SlowSystem, AShareThatFollowsLateIsCreep) {
   const Diagnosis d = answer(recording(50.0, 15000, steps(20.0, 9), [](const Series& t, const Series& x) {
