@@ -46,7 +46,7 @@ WeakAddition weak_addition(const diagnose::Refit& r, const std::string& added) {
     const EffectKind* kind = EffectRegistry::instance().find(added);
     const EffectForm* form = kind != nullptr ? find_form(*kind, effect.form) : nullptr;
     for (std::size_t k = 0; form != nullptr && k < std::min(form->shape.size(), effect.shape.size()); ++k)
-      if (!form->shape[k].choice)
+      if (!form->shape[k].choice && effect.shape[k].value != 0.0)  // no lag behind the temperature, no width: nothing is beyond it
         tell_shape(added, effect.shape[k], effect.shape[k].minimum, effect.shape[k].maximum, "the records ask for more than such an effect has, and another form or effect may be there", out);
   }
   for (const UserEffect& own : r.model.user_effects) {

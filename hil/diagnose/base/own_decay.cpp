@@ -143,4 +143,9 @@ double left_by_decay(const RecordInput& record) {
   return own_decay(record, choose_rows(record, kRows), Rates::between).mean_square;
 }
 
+bool none_decays(const CampaignInput& campaign) {
+  return std::ranges::any_of(campaign.records, &RecordInput::found_static) &&
+         std::ranges::none_of(campaign.records, [](const RecordInput& r) { return r.dynamic && !r.found_static; });
+}
+
 }  // namespace forcegate::diagnose

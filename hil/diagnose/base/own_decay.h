@@ -40,4 +40,8 @@ void settle_excitations(std::vector<RecordInput>& records, unsigned threads);
 /// Mean square, V^2, that a straight line whose slope decays from the record's onset on leaves of it, at the best rate and depth.
 double left_by_decay(const RecordInput& record);
 
+/// Whether records move to and fro without a decay and none is there that decays: a law of decay that no record shows and some contradict would
+/// bend every later record.
+bool none_decays(const CampaignInput& campaign);
+
 }  // namespace forcegate::diagnose

@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -12,6 +13,7 @@
 #include "hil/base/portable_math.h"
 #include "hil/base/quantile.h"
 #include "hil/diagnose/raw/falls_to_floor.h"
+#include "hil/diagnose/raw/floor_by_force.h"
 #include "hil/diagnose/raw/mains_line.h"
 #include "hil/diagnose/raw/range_ends.h"
 #include "hil/diagnose/raw/reference_scatter.h"
@@ -230,7 +232,14 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
   const RangeEnds ends = ends_of_range(U, low_rail, bench.voltage_max_V, out.lsb_U_V, out.noise_U_V);
   const StepsOfOutput steps(F, U, gain, quiet);
   const double most_V = std::max(scales.U_range_V, std::isfinite(bench.voltage_max_V) ? bench.voltage_max_V - low_rail : 0.0);
+  std::optional<FloorByForce> floor;
+  const auto belongs_at_floor = [&](std::size_t i) {
+    constexpr double kNear = 0.005;  // of the range
+    if (!floor) floor.emplace(F, U, low_rail + out.lsb_U_V + 1e-9, std::max(3.0 * out.noise_F_N, kNear * scales.range_N));
+    return floor->belongs_there(F[i]);
+  };
   const auto mark = [&](std::size_t i, BadSample why, double error) {
+    if (why == BadSample::zero && belongs_at_floor(i)) return;
     error = std::min(std::abs(error), most_V);  // a logger's 9.9e37 is as far off as the output can be
     if (out.bad[i] == 0) out.bad_mean_square_V2 += error * error;
     out.bad[i] = static_cast<std::uint8_t>(why);

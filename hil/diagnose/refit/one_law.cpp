@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "hil/base/plain_number.h"
+#include "hil/diagnose/base/own_decay.h"
 #include "hil/diagnose/candidates/user_candidates.h"
 #include "hil/diagnose/engine.h"
 #include "hil/diagnose/refit/seen_terms.h"
@@ -297,10 +298,12 @@ Result<OneLawFit> fit_one_law(Campaign campaign, const Model& start, const IsUsa
   const std::string name = input.name;
   std::vector<std::string> notes = std::move(input.notes);
   FORCEGATE_TRY(const auto own_kinds, make_user_kinds(start.user_effects, input));
+  BaseLaw first = start.law;
+  if (none_decays(input)) first.decays = false;
   Fitter fitter(std::move(input));
   OneLawFit out;
   out.notes = std::move(notes);
-  FORCEGATE_TRY(BaseLaw law, fitter.refine(start.law, {}));
+  FORCEGATE_TRY(BaseLaw law, fitter.refine(first, {}));
   FORCEGATE_TRY(std::vector<Gram> grams, fitter.grams(law, {}));
   std::vector<Chosen> effects;
   const std::vector<Gram> bare = grams;

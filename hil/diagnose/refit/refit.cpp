@@ -12,6 +12,7 @@
 #include "hil/base/text.h"
 #include "hil/diagnose/answer/shape_covariance.h"
 #include "hil/diagnose/base/judge.h"
+#include "hil/diagnose/base/own_decay.h"
 #include "hil/diagnose/base/whole_recording.h"
 #include "hil/diagnose/base_errors.h"
 #include "hil/diagnose/between/foretold.h"
@@ -165,9 +166,7 @@ void write_law(const Workspace& w, const MixedFit& fit, const ShapeCovariance& j
   const auto se = [&](int k) { return joint.of_coefficient(k); };
   Model& m = out.model;
   m.law = w.law;
-  // a law of decay that no record shows and some contradict would bend every later record
-  const auto is = [&](auto which) { return std::any_of(w.input.records.begin(), w.input.records.end(), which); };
-  if (is([](const RecordInput& r) { return r.found_static; }) && !is([](const RecordInput& r) { return r.dynamic && !r.found_static; })) m.law.decays = false;
+  if (none_decays(w.input)) m.law.decays = false;
   const double g = w.gain_V_per_N * fit.coefficient[0];
   m.law.gain_N_per_V = 1.0 / g;
   m.law.offset_N = -fit.coefficient[1] * w.output.scale / g;

@@ -2,7 +2,8 @@
 
 #include "hil/diagnose/refit/one_law.h"
 
-#include "tests/unit/diagnose/made_campaign.h"
+#include "hil/model/model.h"
+#include "tests/unit/diagnose/made_recording.h"
 
 namespace forcegate::diagnose {
 namespace {
@@ -55,6 +56,26 @@ TEST(OneLaw, OfTheFormsThatCanBeUsedTheBestIsTakenAndItsCostIsTold) {
   EXPECT_NE(other->notes[0].find("one_pole predicts best"), std::string::npos) << other->notes[0];
   // where none can be used the best one is what the refusal should name
   EXPECT_EQ(form_of(fit_one_law(make_campaign(83, late, 0.002), lag, [](const Model&) { return false; })), "one_pole");
+}
+
+// Nobody wrote down that the force cycles, and nothing decays.
+TEST(OneLaw, ADecayThatNoRecordShowsIsNotInIt) {
+  Campaign c;
+  for (const double f_Hz : {0.2, 0.5, 1.0}) {
+    Campaign one = recording(50.0, 12000, [&](double t) { return 2.0 - 1.5 * std::cos(2.0 * 3.14159265358979 * f_Hz * t); },
+                             [](const std::vector<double>&, const std::vector<double>& F) {
+                               std::vector<double> U;
+                               for (const double f : F) U.push_back(2.0 * f + 0.2);
+                               return U;
+                             }, 0.003);
+    one.records.front().name += std::to_string(f_Hz);
+    c.records.push_back(std::move(one.records.front()));
+  }
+  const auto fit = fit_one_law(std::move(c), *library_model("flexiforce"));
+  ASSERT_TRUE(fit) << fit.error().to_text();
+  EXPECT_FALSE(fit->model.law.decays);
+  EXPECT_NEAR(fit->model.law.gain_N_per_V, 0.5, 1e-3);
+  EXPECT_LT(fit->left_out_V, 0.004);
 }
 
 // Opens over 0.4 N, as a refit may write it: in two forms beside each other.
