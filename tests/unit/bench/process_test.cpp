@@ -121,6 +121,17 @@ TEST_P(ProgramFault, OfAReferenceNeverShowsAWrongForce) {
   reference->close();
 }
 
+TEST(ProgramAdapter, AForceThatChangedDuringASilenceIsNoJump) {
+  WallWorld world;
+  const auto reference = make_device<ReferenceKind>("reference", "gap", world);
+  ASSERT_TRUE(reference->open());
+  ASSERT_TRUE(reference->start());
+  std::vector<ReferenceReading> readings;
+  for (int i = 0; i < 5; ++i) ASSERT_TRUE(reference->poll(readings));
+  ASSERT_EQ(readings.size(), 5U) << reference->counts().at("unbelievable readings refused") << " refused";
+  EXPECT_EQ(readings.back().force_N, 9.0F);
+}
+
 TEST_P(ProgramFault, OfABoardNeverShowsAWrongSample) {
   WallWorld world;
   const auto board = make_device<BoardKind>("board", GetParam(), world);
