@@ -64,6 +64,7 @@ Result<void> ChildProcess::launch(const std::vector<std::string>& argv, const st
     execv(arguments[0], arguments.data());
     _exit(127);
   }
+  setpgid(pid, pid);  // whoever comes first: from here on the group can be killed
   pid_ = pid;
   reaped_ = false;
   return {};
@@ -71,8 +72,9 @@ Result<void> ChildProcess::launch(const std::vector<std::string>& argv, const st
 
 std::optional<std::string> ChildProcess::ended() {
   if (!reaped_) {
-    if (waitpid(pid_, &status_, WNOHANG) != pid_) return std::nullopt;
-    reaped_ = true;
+    siginfo_t end{};
+    if (waitid(P_PID, static_cast<id_t>(pid_), &end, WEXITED | WNOHANG | WNOWAIT) != 0 || end.si_pid != pid_) return std::nullopt;
+    kill_and_reap();
   }
   if (WIFSIGNALED(status_)) {
     const int number = WTERMSIG(status_);
@@ -91,7 +93,7 @@ void ChildProcess::finish(double timeout_s) {
 
 void ChildProcess::kill_and_reap() {
   if (reaped_) return;
-  kill(pid_, SIGKILL);
+  kill(-pid_, SIGKILL);  // before it is reaped: until then nobody else can get the number of the group
   while (waitpid(pid_, &status_, 0) < 0 && errno == EINTR) {
   }
   reaped_ = true;
