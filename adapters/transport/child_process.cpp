@@ -99,12 +99,14 @@ void ChildProcess::kill_and_reap() {
   reaped_ = true;
 }
 
-std::optional<std::filesystem::path> find_program(const std::string& name) {
-  if (name.find('/') != std::string::npos)
-    return access(name.c_str(), X_OK) == 0 ? std::optional<std::filesystem::path>(name) : std::nullopt;
+std::optional<std::filesystem::path> find_program(const std::string& name, const std::filesystem::path& base) {
+  if (name.find('/') != std::string::npos) {
+    const std::filesystem::path file = std::filesystem::absolute(base / name);  // whoever starts it does so in another folder
+    return access(file.c_str(), X_OK) == 0 ? std::optional(file) : std::nullopt;
+  }
   const char* path = std::getenv("PATH");
   for (const std::string& folder : split(path != nullptr ? path : "/usr/bin:/bin", ':')) {
-    const std::filesystem::path candidate = std::filesystem::path(folder.empty() ? "." : folder) / name;
+    const std::filesystem::path candidate = std::filesystem::absolute(folder.empty() ? "." : folder) / name;
     if (access(candidate.c_str(), X_OK) == 0) return candidate;
   }
   return std::nullopt;

@@ -49,8 +49,9 @@ class ChildProcess {
   bool reaped_ = true;
 };
 
-/// Full path of a program in PATH; nullopt when it is not installed.
-std::optional<std::filesystem::path> find_program(const std::string& name);
+/// Full path of a program in PATH; nullopt when it is not installed. A name with '/' is a file: relative to `base`, or to
+/// the working folder where that is empty.
+std::optional<std::filesystem::path> find_program(const std::string& name, const std::filesystem::path& base = {});
 
 /// Last line of a log file that is not empty, made printable; "" when there is none.
 std::string last_line(const std::filesystem::path& log);

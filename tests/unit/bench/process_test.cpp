@@ -217,6 +217,23 @@ TEST(ProgramAdapter, RunsInTheFolderOfABenchFileWhoseNameHasAColon) {
   EXPECT_FALSE(opened->by_file) << "it told the folder that it runs in";
 }
 
+TEST(ProgramAdapter, OfARelativeNameLiesBesideTheBenchFileWhereverItRuns) {
+  auto folder = PrivateFolder::make();
+  ASSERT_TRUE(folder);
+  std::filesystem::create_directories(folder->path() / "here");
+  const auto program = folder->path() / "adapter.sh";
+  std::ofstream(program) << "#!/bin/sh\nexec /usr/bin/python3 " FORCEGATE_SOURCE_DIR "/tests/support/scripted_adapter.py board in_folder\n";
+  std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+  auto table = parse_config("command = [\"./adapter.sh\"]\nfolder = \"here\"\nserial = \"here\"\nstart_timeout_ms = 20000\n", (folder->path() / "bench.toml").string());
+  ASSERT_TRUE(table);
+  WallWorld world;
+  auto board = Registry<BoardKind>::instance().find("process")->make(*table, world);
+  ASSERT_TRUE(board) << board.error().to_text();
+  const auto opened = (*board)->open();
+  ASSERT_TRUE(opened) << opened.error().to_text();
+  EXPECT_FALSE(opened->by_file) << "it told the folder that it runs in";
+}
+
 TEST(ProgramMessages, RequestsAreOneLineAndTablesBecomeObjects) {
   const auto table = parse_config("a = 1\nb = \"x\\ny\"\nc = [1.5, true]\n", "t");
   ASSERT_TRUE(table);
