@@ -154,7 +154,7 @@ void Wire::put(WireEnd& end, std::span<const std::uint8_t> bytes) {
 void Wire::send(WireEnd* end, Bytes message, double t_s) {
   if (end == nullptr) end = &terminal_;
   if (unplugged_ || !end->fd || message.empty()) return;
-  double amount = 0.0;
+  double garbage_bytes = 0.0, delay_ms = 0.0;
   if (faults_.active(device_, WireFault::stall, t_s)) return;
   if (faults_.hit(device_, WireFault::drop, t_s)) return;
   if (faults_.hit(device_, WireFault::drop_byte, t_s))
@@ -162,14 +162,14 @@ void Wire::send(WireEnd* end, Bytes message, double t_s) {
   if (!message.empty() && faults_.hit(device_, WireFault::corrupt, t_s))
     message[rng_.below(message.size())] ^= static_cast<std::uint8_t>(1U << rng_.below(8));
   if (faults_.hit(device_, WireFault::truncate, t_s)) message.resize(message.size() / 2);
-  if (faults_.hit(device_, WireFault::garbage, t_s, &amount)) {
-    Bytes noise(static_cast<std::size_t>(amount));
+  if (faults_.hit(device_, WireFault::garbage, t_s, &garbage_bytes)) {
+    Bytes noise(static_cast<std::size_t>(garbage_bytes));
     for (std::uint8_t& b : noise) b = static_cast<std::uint8_t>(rng_.next());
     message.insert(message.begin(), noise.begin(), noise.end());
   }
   const bool twice = faults_.hit(device_, WireFault::duplicate, t_s);
-  if (faults_.hit(device_, WireFault::delay, t_s, &amount) || !delayed_.empty()) {
-    delayed_.push_back({clock_s(t_s) + amount * 1e-3, end, message});
+  if (faults_.hit(device_, WireFault::delay, t_s, &delay_ms) || !delayed_.empty()) {
+    delayed_.push_back({clock_s(t_s) + delay_ms * 1e-3, end, message});
     if (twice) delayed_.push_back(delayed_.back());
     return;
   }
