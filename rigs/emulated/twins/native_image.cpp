@@ -195,7 +195,7 @@ Result<std::unique_ptr<BoardImage>> load_native_image(const std::string& path) {
   if (child < 0) return fail(ErrorCode::io, "cannot start a process: " + system_text(errno));
   if (child == 0) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    ours.reset();
+    close_inherited(theirs.get());  // a port that the image held open could not be unplugged
     void* library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
     const auto abi = library != nullptr ? reinterpret_cast<std::uint32_t (*)()>(dlsym(library, "forcegate_native_abi")) : nullptr;
     const bool port = abi != nullptr && dlsym(library, "forcegate_native_open") != nullptr &&

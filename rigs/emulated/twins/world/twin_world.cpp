@@ -30,6 +30,9 @@ namespace forcegate::emulated {
 namespace {
 
 constexpr double kByteWait_s = 20.0;
+constexpr double kFarewell_s = 1.0;
+
+std::atomic<bool> told_to_end{false};  // in the process of the twins
 
 class TwinWorld;
 
@@ -90,10 +93,16 @@ class TwinWorld final : public BenchWorld {
   TwinWorld(TwinOptions options, bool paced) : options_(std::move(options)), paced_(paced) {}
   ~TwinWorld() override {
     client_.reset();
-    if (child_ > 0) {
-      ::kill(child_, SIGKILL);
-      while (waitpid(child_, nullptr, 0) < 0 && errno == EINTR) {
-      }
+    if (child_ <= 0) return;
+    ::kill(child_, SIGTERM);  // so that they leave nothing behind
+    const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(kFarewell_s);
+    while (std::chrono::steady_clock::now() < end) {
+      const pid_t gone = waitpid(child_, nullptr, WNOHANG);
+      if (gone == child_ || (gone < 0 && errno != EINTR)) return;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    ::kill(child_, SIGKILL);
+    while (waitpid(child_, nullptr, 0) < 0 && errno == EINTR) {
     }
   }
 
@@ -119,8 +128,9 @@ class TwinWorld final : public BenchWorld {
       prctl(PR_SET_PDEATHSIG, SIGKILL);
       if (getppid() != parent) _exit(0);
       setpgid(0, 0);
-      for (const int s : {SIGINT, SIGTERM}) ::signal(s, SIG_DFL);
-      in.reset();
+      ::signal(SIGINT, SIG_DFL);
+      ::signal(SIGTERM, [](int) { told_to_end.store(true); });
+      close_inherited(out.get());
       serve(out.get());
     }
     out.reset();
@@ -246,8 +256,7 @@ class TwinWorld final : public BenchWorld {
     if (::write(out, text.data(), text.size()) < 0) _exit(1);
     ::close(out);
     if (!host) _exit(1);
-    const std::atomic<bool> never{false};
-    (*host)->serve(never, true);
+    (*host)->serve(told_to_end, true);
     host->reset();
     _exit(0);
   }
