@@ -44,7 +44,7 @@ Result<SlowMoveEnd> move(BenchSession& s, const SlowMove& m) {
     FORCEGATE_TRY(state, s.motor().read());
     if (state.fault)
       return fail(ErrorCode::device, fmt::format("the drive reports fault {:#x}", state.fault_code), "motor",
-                  "find its cause in the drive's manual, then reset it");
+                  "find its cause in the drive's manual, then forcegate bench reset with the bench file");
     seen.clear();
     FORCEGATE_CHECK_OK(s.reference().poll(seen));
     for (const ReferenceReading& r : seen) {
