@@ -36,7 +36,7 @@ Result<std::unique_ptr<Transport>> ChildProcess::start_connected(const std::vect
     return fail(ErrorCode::io, "cannot open the log of a program: " + system_text(errno), log.string());
   int ends[2];
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
-    return fail(ErrorCode::io, "no pair of sockets: " + system_text(errno), argv.front());
+    return fail(ErrorCode::io, "no pair of sockets: " + system_text(errno), argv.front(), "too many files are open: see ulimit -n");
   Descriptor ours(ends[0]);
   const Descriptor theirs(ends[1]);
   fcntl(ours.get(), F_SETFL, O_NONBLOCK);
@@ -52,7 +52,8 @@ Result<void> ChildProcess::launch(const std::vector<std::string>& argv, const st
   arguments.push_back(nullptr);
   const pid_t parent = getpid();
   const pid_t pid = fork();
-  if (pid < 0) return fail(ErrorCode::io, "cannot start a process: " + system_text(errno), argv.front());
+  if (pid < 0) return fail(ErrorCode::io, "cannot start a process: " + system_text(errno), argv.front(),
+                               "too many processes run or memory is short: see ulimit -u and free");
   if (pid == 0) {  // only async-signal-safe calls from here to execv
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) _exit(127);

@@ -35,7 +35,8 @@ Result<void> Wire::open_terminal(const std::filesystem::path& link) {
   char name[128] = "";
   if (!master || grantpt(master.get()) != 0 || unlockpt(master.get()) != 0 ||
       ptsname_r(master.get(), name, sizeof name) != 0)
-    return fail(ErrorCode::io, "cannot make a pseudo terminal: " + system_text(errno));
+    return fail(ErrorCode::io, "cannot make a pseudo terminal: " + system_text(errno), "/dev/ptmx",
+                "end programs that hold some; /proc/sys/kernel/pty/max is how many there may be");
   keeper_ = Descriptor(open(name, O_RDWR | O_NOCTTY | O_CLOEXEC));
   termios raw{};
   if (!keeper_ || tcgetattr(keeper_.get(), &raw) != 0)
@@ -60,7 +61,8 @@ Result<int> Wire::open_server(int port) {
   if (!fd || bind(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
       listen(fd.get(), 8) != 0 || getsockname(fd.get(), reinterpret_cast<sockaddr*>(&address), &size) != 0)
     return fail(ErrorCode::io,
-                "cannot listen on TCP port " + std::to_string(port) + ": " + system_text(errno));
+                "cannot listen on TCP port " + std::to_string(port) + ": " + system_text(errno), "127.0.0.1",
+                "end the program that has it, or give 0 in the bench file: any free port");
   listener_ = std::move(fd);
   return ntohs(address.sin_port);
 }
@@ -71,7 +73,8 @@ Result<int> Wire::open_datagrams(int port) {
   socklen_t size = sizeof address;
   if (!fd || bind(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
       getsockname(fd.get(), reinterpret_cast<sockaddr*>(&address), &size) != 0)
-    return fail(ErrorCode::io, "cannot bind UDP port " + std::to_string(port) + ": " + system_text(errno));
+    return fail(ErrorCode::io, "cannot bind UDP port " + std::to_string(port) + ": " + system_text(errno), "127.0.0.1",
+                "end the program that has it, or give 0 in the bench file: any free port");
   terminal_.fd = std::move(fd);
   datagrams_ = true;
   return ntohs(address.sin_port);

@@ -101,6 +101,38 @@ TEST(ModbusDrive, InputRegistersAreReadByTheirOwnFunction) {
   EXPECT_FALSE(functions.contains(23)) << "it reads holding registers";
 }
 
+Error error_with(int port) {
+  DriveWorld world(port);
+  const auto bench = read_bench_text(test::bench_text("twin.toml", {{"response_timeout_ms = 1000", "response_timeout_ms = 20"}}), "t.toml");
+  EXPECT_TRUE(bench);
+  auto motor = Registry<MotorKind>::instance().find("modbus_motor")->make(bench->table("motor"), world);
+  EXPECT_TRUE(motor);
+  const auto opened = (*motor)->open();
+  EXPECT_FALSE(opened);
+  return opened ? Error{} : opened.error();
+}
+
+TEST(ModbusDrive, ThatCannotBeReachedIsToldWithWhatToLookAt) {
+  const Error refused = error_with(1);  // nobody listens there
+  EXPECT_NE(refused.hint.find("tcp_port"), std::string::npos) << refused.to_text();
+  emulated::FaultScript no_faults;
+  emulated::Wire wire("motor", no_faults, true);  // takes the connection and never answers
+  const auto port = wire.open_server(0);
+  ASSERT_TRUE(port);
+  const Error silent = error_with(*port);
+  EXPECT_EQ(silent.code, ErrorCode::timeout);
+  EXPECT_NE(silent.hint.find("response_timeout_ms"), std::string::npos) << silent.to_text();
+  emulated::Wire second("motor", no_faults, true);
+  const auto taken = second.open_server(*port);
+  ASSERT_FALSE(taken);
+  EXPECT_NE(taken.error().hint.find("give 0"), std::string::npos) << taken.error().to_text();
+  const auto bench = read_bench_text(test::bench_text("twin.toml", {{"tcp_port = 0", "tcp_port = " + std::to_string(*port)}}), "t.toml");
+  ASSERT_TRUE(bench);
+  const auto session = BenchSession::make(*bench, {});
+  ASSERT_FALSE(session);
+  EXPECT_EQ(session.error().hint, taken.error().hint) << "whoever starts the twins is told too";
+}
+
 void stop_by_silence(TwinBench& b) {
   TwinBench::ok(b.session->open());
   TwinBench::ok(b.session->arm());

@@ -119,11 +119,11 @@ class TwinWorld final : public BenchWorld {
     FORCEGATE_TRY(PrivateFolder made, PrivateFolder::make());
     own_folder_.emplace(std::move(made));
     int ends[2];
-    if (pipe2(ends, O_CLOEXEC) != 0) return fail(ErrorCode::io, "no pipe: " + system_text(errno));
+    if (pipe2(ends, O_CLOEXEC) != 0) return fail(ErrorCode::io, "no pipe: " + system_text(errno), "[twins]", "too many files are open: see ulimit -n");
     Descriptor in(ends[0]), out(ends[1]);
     const pid_t parent = getpid();
     child_ = fork();
-    if (child_ < 0) return fail(ErrorCode::io, "cannot start the twins: " + system_text(errno));
+    if (child_ < 0) return fail(ErrorCode::io, "cannot start the twins: " + system_text(errno), "[twins]", "too many processes run or memory is short: see ulimit -u and free");
     if (child_ == 0) {
       prctl(PR_SET_PDEATHSIG, SIGKILL);
       if (getppid() != parent) _exit(0);
@@ -140,9 +140,11 @@ class TwinWorld final : public BenchWorld {
       if (n < 0 && errno != EINTR) break;
       if (n > 0) told.append(bytes, static_cast<std::size_t>(n));
     }
-    if (told != "ready")
-      return fail(ErrorCode::config, told.empty() ? "the twins did not start" : printable_utf8(told),
-                  "[twins]");
+    if (told != "ready") {
+      const std::size_t end = std::min(told.find('\n'), told.size());
+      return fail(ErrorCode::config, told.empty() ? "the twins did not start" : printable_utf8(told.substr(0, end)), "[twins]",
+                  printable_utf8(std::string_view(told).substr(std::min(end + 1, told.size()))));
+    }
     return attach(own_folder_->path(), 10.0);
   }
 
@@ -252,7 +254,7 @@ class TwinWorld final : public BenchWorld {
   }
   [[noreturn]] void serve(int out) {
     auto host = TwinHost::make(options_, own_folder_->path());
-    const std::string text = host ? "ready" : host.error().text;
+    const std::string text = host ? "ready" : host.error().text + "\n" + host.error().hint;
     if (::write(out, text.data(), text.size()) < 0) _exit(1);
     ::close(out);
     if (!host) _exit(1);
