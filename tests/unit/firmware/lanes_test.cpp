@@ -1,4 +1,5 @@
 #include <signal.h>
+#include <sys/wait.h>
 
 #include <fstream>
 
@@ -157,6 +158,8 @@ TEST_F(Lanes, AnImageThatGivesNoAccountAtItsEndLeavesNoEmulatorRunning) {
   std::ifstream(folder.path() / "pid") >> pid;
   ASSERT_GT(pid, 1);
   kill(pid, SIGSTOP);
+  siginfo_t stopped{};
+  ASSERT_EQ(waitid(P_PID, static_cast<id_t>(pid), &stopped, WSTOPPED), 0);  // until then a thread of it may answer
   ASSERT_FALSE((*dut)->close());
   EXPECT_EQ(kill(pid, 0), -1) << "the emulator is still there";
 }
