@@ -104,6 +104,7 @@ class AtiNetFt final : public ReferenceSensor {
                     "begin the record again");
       rdt_.reset();
       clock_.restart();
+      filter_.begin();
       return ask();
     }
     return {};
@@ -172,6 +173,7 @@ class AtiNetFt final : public ReferenceSensor {
         return {};
       }
       for (std::uint32_t i = 1; i < ahead; ++i) clock_.next(now_s);
+      if (ahead > 1) filter_.begin();  // what the force did meanwhile nobody knows
       lost_ += ahead - 1;
     }
     disorder_ = asks_ = 0;

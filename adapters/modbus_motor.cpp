@@ -18,8 +18,9 @@ namespace {
 
 using namespace modbus;
 
-constexpr int kLongestBlock = 121;  // function 23 reads no more together with a write
+constexpr int kLongestBlock = 125;  // registers of one read, by function 3, 4 or 23
 constexpr double kJumpMargin_rad = 0.05;
+constexpr int kResetLooks = 10, kResetLook_ms = 100;
 
 class ModbusMotor final : public MotorDrive {
  public:
@@ -57,7 +58,7 @@ class ModbusMotor final : public MotorDrive {
     FORCEGATE_TRY(const MotorState state, read());
     if (state.fault)
       return fail(ErrorCode::device, fmt::format("the drive reports fault {:#x}", state.fault_code), where(),
-                  "find its cause in the drive's manual, then reset it");
+                  "find its cause in the drive's manual, then forcegate bench reset with the bench file");
     const Register& timeout = map_.reg.at(map_.heartbeat.drive_timeout_reg);
     FORCEGATE_TRY(const auto words, encode(timeout, map_.heartbeat.drive_timeout_ms));
     FORCEGATE_CHECK_OK(write_register(timeout, words));
@@ -132,6 +133,23 @@ class ModbusMotor final : public MotorDrive {
     return Unexpected(last);
   }
 
+  Result<void> reset_fault() override {
+    const auto command = map_.cmd.find("fault_reset");
+    if (command == map_.cmd.end())
+      return fail(ErrorCode::config, "the bench file does not say how the drive is reset", "[motor.cmd]",
+                  "add fault_reset with what the drive's manual says, or reset it at the drive");
+    FORCEGATE_CHECK_OK(emergency());  // a drive that still holds its command to run would obey it without its fault
+    for (const Step& step : command->second) FORCEGATE_CHECK_OK(verified([&] { return write_step(step, std::nullopt); }));
+    MotorState state;
+    for (int look = 0; look < kResetLooks; ++look) {
+      if (look > 0) std::this_thread::sleep_for(std::chrono::milliseconds(kResetLook_ms));
+      FORCEGATE_TRY(state, read());
+      if (!state.fault) return {};
+    }
+    return fail(ErrorCode::device, fmt::format("the drive still reports fault {:#x}", state.fault_code), where(),
+                "find its cause in the drive's manual: it is still there, or this fault goes with the power only");
+  }
+
   double drive_timeout_s() const override { return map_.heartbeat.drive_timeout_ms * 1e-3; }
 
   std::map<std::string, std::uint64_t> counts() const override {
@@ -203,7 +221,8 @@ class ModbusMotor final : public MotorDrive {
     state.t_s = world_.now_s();
     const Register& heart = map_.reg.at(map_.heartbeat.reg);
     std::vector<std::vector<std::uint16_t>> values;
-    if (map_.heartbeat.read_write_together && blocks_.size() == 1) {
+    // Function 23 reads holding registers: what function 4 reads lies elsewhere.
+    if (map_.heartbeat.read_write_together && blocks_.size() == 1 && blocks_[0].function == 3) {
       const std::uint16_t word = ++counter_;
       FORCEGATE_TRY(auto words,
                     line_->write_and_read(heart.address, {&word, 1}, blocks_[0].address, blocks_[0].count));

@@ -16,6 +16,7 @@ using process::ProcessOptions;
 using process::Reply;
 
 constexpr double kFuture_s = 0.02;
+constexpr double kGap_periods = 2.5;  ///< after a longer silence a reading has none before it to be held against
 constexpr unsigned kStatusMask = kRigReferenceSaturated | kRigReferenceFault;
 
 struct Options {
@@ -72,6 +73,7 @@ class ProcessReference final : public ReferenceSensor {
       if (!(row[0] > last_s_)) return program_.bad("readings come out of order");
       if (!(row[2] >= 0 && row[2] <= 65535 && row[2] == std::floor(row[2])))
         return program_.bad("a reading has a status that is no number from 0 to 65535");
+      if (row[0] - last_s_ > kGap_periods / options_.facts.rate_Hz) last_N_ = std::numeric_limits<double>::quiet_NaN();
       last_s_ = row[0];
       ReferenceReading reading;
       reading.t_s = program_.clock().bench_s(row[0]);

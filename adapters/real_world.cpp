@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <chrono>
 #include <ctime>
+#include <filesystem>
 
 #include "adapters/hid/report_line.h"
 #include "adapters/transport/child_process.h"
@@ -19,8 +20,8 @@ namespace {
 
 class RealWorld final : public BenchWorld {
  public:
-  RealWorld(std::map<std::string, std::string> ports, std::vector<std::string> flash)
-      : ports_(std::move(ports)), flash_(std::move(flash)) {}
+  RealWorld(std::map<std::string, std::string> ports, std::vector<std::string> flash, std::filesystem::path folder)
+      : ports_(std::move(ports)), flash_(std::move(flash)), folder_(std::move(folder)) {}
 
   Result<std::string> serial_path(const std::string& port) override {
     if (port.starts_with("/")) return port;
@@ -77,29 +78,33 @@ class RealWorld final : public BenchWorld {
   Result<void> flash(const std::string& image) override {
     if (flash_.empty()) return {};
     std::vector<std::string> argv = flash_;
+    static const std::string kImage = "{image}";
+    const std::string whole = std::filesystem::absolute(image).string();  // the program runs beside the bench file
     for (std::string& word : argv)
-      if (word == "{image}") word = image;
-    const auto program = find_program(argv.front());
+      for (std::size_t at = 0; (at = word.find(kImage, at)) != std::string::npos; at += whole.size()) word.replace(at, kImage.size(), whole);
+    const auto program = find_program(argv.front(), folder_);
     if (!program)
       return fail(ErrorCode::config, "the program that flashes the board is not installed: " + argv.front(),
-                  "[board] flash");
+                  "[board] flash", "install it, or name its file: with '/' it is relative to the bench file, " + folder_.string());
     argv.front() = program->string();
     FORCEGATE_TRY(const PrivateFolder folder, PrivateFolder::make());
     ChildProcess child;
-    FORCEGATE_CHECK_OK(child.start(argv, folder.path(), folder.path() / "log"));
+    FORCEGATE_CHECK_OK(child.start(argv, folder_, folder.path() / "log"));
     child.finish(kFlash_s);
     const auto end = child.ended();
     if (end == "exit code 0") return {};
+    for (std::string& word : argv) word = shell_quoted(word);
     return fail(
         ErrorCode::device,
         "flashing the board failed: " + end.value_or("no end") + ": " + last_line(folder.path() / "log"),
-        "board: " + argv.front());
+        "board: " + program->string(), "run it by hand in " + folder_.string() + ": " + join(argv, " "));
   }
 
  private:
   static constexpr double kFlash_s = 120.0;
   std::map<std::string, std::string> ports_;
   std::vector<std::string> flash_;
+  std::filesystem::path folder_;  ///< of the bench file
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
@@ -111,7 +116,7 @@ Result<std::unique_ptr<BenchWorld>> make(const ConfigNode& bench, const std::map
   if (const ConfigNode* board = bench.find("board"))
     if (const ConfigNode* list = board->find("flash"))
       for (const ConfigNode& word : list->items) flash.push_back(word.text);
-  return std::make_unique<RealWorld>(std::move(ports), std::move(flash));
+  return std::make_unique<RealWorld>(std::move(ports), std::move(flash), std::filesystem::absolute(bench.file).parent_path());
 }
 
 const Registration<BenchWorldKind> kRegistered{

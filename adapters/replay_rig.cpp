@@ -5,6 +5,8 @@
 // the latest row held (zero-order hold) and a note; one without a nominal rate is refused. Gaps are filled with the
 // held row and marked as lost samples. Time starts at 0.
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -59,6 +61,8 @@ Result<Options> read_calibration(const std::string& path) {
   return out;
 }
 
+constexpr double kLongestGap_samples = 1e7;  // 2.8 h at 1 kHz, longer than records last
+
 /// One row of the equidistant grid: which row of the record it shows, and whether that one is only held.
 struct GridRow {
   std::uint32_t source = 0;
@@ -100,6 +104,13 @@ Result<Grid> make_grid(const TimeBase& base, const std::string& path) {
   if (std::fabs(rate - std::round(rate)) < 1e-3 * rate && std::round(rate) > 0.0) rate = std::round(rate);
   const double step = 1.0 / rate;
   const double samples = (t.back() - t.front()) * rate + 1.0;
+  // Every row of a gap is held in memory: one wild time would ask for all that there is.
+  for (std::size_t i = 1; i < t.size(); ++i)
+    if ((t[i] - t[i - 1]) * rate > kLongestGap_samples)
+      return fail(ErrorCode::config,
+                  fmt::format("a gap of {:.6g} s before sample {} (t_s = {}): more than {:.0e} lost samples are no loss", t[i] - t[i - 1], i + 1,
+                              shortest(t[i]), kLongestGap_samples),
+                  path, "correct that time, or cut the record there");
   if (samples > 4e9)
     return fail(ErrorCode::config, "the record is too long to be replayed: more than 4e9 samples", path,
                 "cut it into parts");

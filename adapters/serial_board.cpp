@@ -14,7 +14,8 @@ Result<std::unique_ptr<SensorBoard>> make(const ConfigNode& table, BenchWorld& w
   in.text("port", port, ConfigReader::required);
   in.integer("baud", baud, 1200, 4000000);
   in.integer("adc_bits", bits, 8, 16);
-  in.number("rate_Hz", o.rate_Hz, 100, 10000);
+  double rate_Hz = 0.0;  // the bench file hands it to the session, and what the firmware tells must be that
+  in.number("rate_Hz", rate_Hz, 100, 10000);
   in.integer("batch", batch, 1, 32);
   in.integer("reply_timeout_ms", timeout_ms, 10, 60000);
   in.text("serial", o.serial, ConfigReader::required);

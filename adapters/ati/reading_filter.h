@@ -18,6 +18,7 @@ class ReadingFilter {
   ReadingFilter(double force_max_N, double jump_max_N, std::size_t hold)
       : force_max_N_(force_max_N), jump_max_N_(jump_max_N), hold_(hold) {}
 
+  /// Before a stream, and behind a gap in it: the next record has none before it to be held against.
   void begin() {
     held_.clear();
     last_N_ = std::numeric_limits<double>::quiet_NaN();

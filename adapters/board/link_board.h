@@ -15,7 +15,6 @@ namespace forcegate {
 
 struct LinkBoardOptions {
   int adc_bits = 16;
-  double rate_Hz = 1000.0;
   int batch = 10;
   std::string serial;
   bool serial_by_file = true;  ///< false: the line was opened by it

@@ -116,13 +116,15 @@ class BlockDut final : public Dut {
   }
 
   Result<DutCounters> close() override {
+    Result<void> costs;
     if (request_ && !qemu_.dead()) {
       const BlockHead end{magic("FGBD"), 0, 0, 0};
       const bool told = static_cast<bool>(send(&end, sizeof end));
-      if (told && ticking_) FORCEGATE_CHECK_OK(take_costs());
-      if (told) qemu_.finish(1.0);
+      if (told && ticking_) costs = take_costs();
+      if (told && costs) qemu_.finish(1.0);
     }
-    stop();
+    stop();  // whatever the image has answered: nobody may find the emulator running
+    FORCEGATE_CHECK_OK(costs);
     return counters_;
   }
 

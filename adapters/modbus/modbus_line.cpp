@@ -49,6 +49,30 @@ std::string ModbusLine::name() const {
                       : fmt::format("modbus-rtu:{} {}", options_.path, options_.serial.baud);
 }
 
+// What a person can do about it.
+std::string ModbusLine::help_with(int number) const {
+  switch (number) {
+    case ECONNRESET:
+    case EPIPE:
+    case EIO:
+    case EBADF:
+    case ENXIO: return "check cable and power of the drive";
+    case ECONNREFUSED: return "check host and tcp_port, and that the drive's Modbus server is on";
+    case EHOSTUNREACH:
+    case ENETUNREACH: return "check host, and that this machine is in the drive's network";
+    case ETIMEDOUT:
+    case EMBBADCRC:
+    case EMBBADDATA:
+    case EMBBADSLAVE:
+      return options_.tcp ? "check power and network of the drive, host and tcp_port; or raise response_timeout_ms"
+                          : "check power, cable and termination, baud, parity and slave; or raise response_timeout_ms";
+    case EMBXILFUN:
+    case EMBXILADD:
+    case EMBXILVAL: return "check addr, type, read_fc and write_fc under [motor.reg] against the drive's manual";
+    default: return "look up in the drive's manual when it answers so";
+  }
+}
+
 Error ModbusLine::error_of(int number, const std::string& what) const {
   const bool late = number == ETIMEDOUT;
   const bool gone =
@@ -58,7 +82,7 @@ Error ModbusLine::error_of(int number, const std::string& what) const {
               (late   ? "no answer"
                : gone ? "the link is gone"
                       : modbus_strerror(number)),
-          "motor: " + name(), gone ? "check cable and power of the drive" : ""};
+          "motor: " + name(), help_with(number)};
 }
 
 Result<void> ModbusLine::connect() {
@@ -97,7 +121,8 @@ Result<void> ModbusLine::connect() {
   modbus_set_error_recovery(bus, MODBUS_ERROR_RECOVERY_NONE);  // drain() does more than PROTOCOL would
   if (modbus_connect(bus) != 0) return Unexpected(error_of(errno, "cannot connect"));
   if (modbus_get_socket(bus) >= FD_SETSIZE)
-    return fail(ErrorCode::internal, "too many open files for Modbus", "motor: " + name());
+    return fail(ErrorCode::internal, "too many open files for Modbus", "motor: " + name(),
+                "end other work of this process, or of its parent: its limit is " + std::to_string(FD_SETSIZE));
   context_ = std::move(context);
   return {};
 }

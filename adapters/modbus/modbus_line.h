@@ -56,6 +56,7 @@ class ModbusLine {
   struct Context;
   void before_request();
   Error error_of(int number, const std::string& what) const;
+  std::string help_with(int number) const;
 
   LineOptions options_;
   std::unique_ptr<Context> context_;

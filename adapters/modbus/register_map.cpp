@@ -73,9 +73,32 @@ Result<Register> read_register(const std::string& name, const ConfigNode& node, 
   return r;
 }
 
+// What would fail when the step is written is found when the file is read: an emergency stop has no second chance.
+Result<void> check_step(const std::string& command, const Step& step, const Register& reg, const std::string& where) {
+  if (!step.raw) {
+    if (command == "run" && step.reg == "velocity_set") return {};
+    return fail(ErrorCode::config, fmt::format("command '{}' has no value for register '{}'", command, step.reg), where,
+                "add value = N; only the step of 'velocity_set' in 'run' takes the velocity instead");
+  }
+  if (command == "run" && step.reg == "velocity_set")
+    return fail(ErrorCode::config, "command 'run' has a fixed value for register 'velocity_set'", where,
+                "leave 'value' out: this step takes the velocity that is asked for");
+  if (!encode_raw(reg, *step.raw))
+    return fail(ErrorCode::config, fmt::format("{} of command '{}' does not fit register '{}'", *step.raw, command, step.reg), where,
+                "correct the value, or 'type' of the register");
+  if (command == "emergency" && step.after_ms > 0)
+    return fail(ErrorCode::config, "command 'emergency' waits before it writes", where,
+                "leave 'after_ms' out: an emergency stop is written at once");
+  return {};
+}
+
 Result<std::vector<Step>> read_steps(const std::string& name, const ConfigNode& list,
                                      const RegisterMap& map) {
   std::vector<Step> steps;
+  static const std::vector<std::string> kCommands{"enable", "run", "stop", "emergency", "fault_reset"};
+  if (std::find(kCommands.begin(), kCommands.end(), name) == kCommands.end())
+    return fail(ErrorCode::config, fmt::format("[motor.cmd] knows no command '{}'", printable_utf8(name)), list.where,
+                "it is one of: " + join(kCommands, ", "));
   if (list.kind != ConfigNode::Kind::array || list.items.empty())
     return fail(ErrorCode::config, fmt::format("command '{}' must be a list of writes", name), list.where,
                 "for example [ { reg = \"control\", value = 0x20 } ]");
@@ -94,8 +117,12 @@ Result<std::vector<Step>> read_steps(const std::string& name, const ConfigNode& 
       return fail(ErrorCode::config,
                   fmt::format("command '{}' names the unknown register '{}'", name, step.reg), item.where,
                   "declare it under [motor.reg]");
+    FORCEGATE_CHECK_OK(check_step(name, step, map.reg.at(step.reg), item.where));
     steps.push_back(step);
   }
+  if (name == "run" && std::count_if(steps.begin(), steps.end(), [](const Step& s) { return !s.raw; }) != 1)
+    return fail(ErrorCode::config, "command 'run' must write the velocity once", list.where,
+                "give it one step { reg = \"velocity_set\" } without a value");
   return steps;
 }
 
@@ -183,13 +210,12 @@ Result<std::vector<std::uint16_t>> encode(const Register& reg, double value) {
     return fail(ErrorCode::safety,
                 fmt::format("{} for register '{}' is outside its limits", shortest(value), reg.name));
   const double raw = reg.scale * value + reg.offset;
-  if (reg.type == WordType::f32)
-    return split_words(reg, std::bit_cast<std::uint32_t>(static_cast<float>(raw)));
   double low = 0, high = 0;
   range_of(reg.type, low, high);
-  const double rounded = std::nearbyint(raw);
+  const double rounded = reg.type == WordType::f32 ? raw : std::nearbyint(raw);
   if (!(rounded >= low && rounded <= high))
     return fail(ErrorCode::config, fmt::format("{} does not fit register '{}'", shortest(value), reg.name));
+  if (reg.type == WordType::f32) return split_words(reg, std::bit_cast<std::uint32_t>(static_cast<float>(raw)));
   return split_words(reg, static_cast<std::uint32_t>(static_cast<std::int64_t>(rounded)));
 }
 

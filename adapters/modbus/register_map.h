@@ -29,7 +29,7 @@ struct Register {
   int size() const { return type == WordType::u16 || type == WordType::i16 ? 1 : 2; }
 };
 
-/// One write of a command. Without a raw value it takes the command's argument.
+/// One write of a command. Without a raw value, which only velocity_set in `run` may lack, it takes the velocity.
 struct Step {
   std::string reg;
   std::optional<std::int64_t> raw;
@@ -58,8 +58,8 @@ struct RegisterMap {
   Heartbeat heartbeat;
 };
 
-/// Value into words, low or high first. ErrorCode::safety outside the limits, ErrorCode::config when it does not fit
-/// the type or is no number.
+/// Value into words, low or high first. ErrorCode::safety outside the limits or when it is no number, ErrorCode::config
+/// when it does not fit the type.
 Result<std::vector<std::uint16_t>> encode(const Register& reg, double value);
 Result<std::vector<std::uint16_t>> encode_raw(const Register& reg, std::int64_t raw);
 /// words.size() == reg.size(). ErrorCode::device for a float that is no number.
@@ -74,8 +74,9 @@ struct ReadBlock {
 std::vector<ReadBlock> merge_reads(const std::vector<const Register*>& registers, int gap, int longest);
 
 /// Reads [motor.reg.*], [motor.cmd], [motor.state] and [motor.heartbeat]. Refuses overlaps, a 32-bit register at 0xFFFF,
-/// scale 0, commands that name unknown registers, and a map without position, velocity_set (with limits), stop,
-/// emergency, run, fault, heartbeat or the drive's own timeout.
+/// scale 0, commands that nobody gives, that name unknown registers or hold a value that does not fit its register, an
+/// emergency that waits, a run that does not write velocity_set once, and a map without position, velocity_set (with
+/// limits), stop, emergency, run, fault, heartbeat or the drive's own timeout.
 Result<RegisterMap> read_register_map(ConfigReader& motor, int address_base);
 
 }  // namespace forcegate::modbus

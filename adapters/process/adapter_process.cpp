@@ -30,8 +30,8 @@ void read_process_options(ConfigReader& in, const ConfigNode& table, ProcessOpti
   if (const ConfigNode* options = in.table("options")) out.options = *options;
   in.integer("reply_timeout_ms", reply_ms, 10, 60000);
   in.integer("start_timeout_ms", start_ms, 10, 60000);
-  out.folder = std::filesystem::path(folder).is_absolute() ? std::filesystem::path(folder)
-                                                           : folder_of_bench(table) / folder;
+  out.bench_folder = folder_of_bench(table);
+  out.folder = out.bench_folder / folder;
   out.reply_timeout_s = static_cast<double>(reply_ms) * 1e-3;
   out.start_timeout_s = static_cast<double>(start_ms) * 1e-3;
 }
@@ -64,14 +64,16 @@ Result<DeviceIdentity> AdapterProcess::open(bool exclusive) {
     fields.emplace_back("port", *path);
   }
   std::vector<std::string> argv = options_.command;
-  const auto program = find_program(argv.front());
+  const auto program = find_program(argv.front(), options_.bench_folder);
   if (!program)
-    return fail(ErrorCode::config, "the program of the adapter is not installed: " + argv.front(), where());
+    return fail(ErrorCode::config, "the program of the adapter is not installed: " + argv.front(), where(),
+                "install it, or name its file: with '/' it is relative to the bench file, " + options_.bench_folder.string());
   argv.front() = program->string();
   std::error_code ignored;
   if (!std::filesystem::is_directory(options_.folder, ignored))
     return fail(ErrorCode::config,
-                "the folder of the adapter's program does not exist: " + options_.folder.string(), where());
+                "the folder of the adapter's program does not exist: " + options_.folder.string(), where(),
+                "make it, or correct 'folder': it is relative to the bench file");
   if (!log_folder_) {
     FORCEGATE_TRY(PrivateFolder made, PrivateFolder::make());
     log_folder_.emplace(std::move(made));

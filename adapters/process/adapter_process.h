@@ -19,7 +19,8 @@ namespace forcegate::process {
 
 struct ProcessOptions {
   std::string device;                ///< "motor", "reference", "board"
-  std::vector<std::string> command;  ///< program and arguments
+  std::vector<std::string> command;  ///< program and arguments; a program with '/' is relative to the bench file
+  std::filesystem::path bench_folder;
   std::filesystem::path folder;      ///< where it runs; relative to the bench file
   std::string port;                  ///< of [ports]; "" = the program needs none
   ConfigNode options;                ///< handed on as they are

@@ -36,7 +36,7 @@ Result<std::unique_ptr<Transport>> ChildProcess::start_connected(const std::vect
     return fail(ErrorCode::io, "cannot open the log of a program: " + system_text(errno), log.string());
   int ends[2];
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
-    return fail(ErrorCode::io, "no pair of sockets: " + system_text(errno), argv.front());
+    return fail(ErrorCode::io, "no pair of sockets: " + system_text(errno), argv.front(), "too many files are open: see ulimit -n");
   Descriptor ours(ends[0]);
   const Descriptor theirs(ends[1]);
   fcntl(ours.get(), F_SETFL, O_NONBLOCK);
@@ -52,7 +52,8 @@ Result<void> ChildProcess::launch(const std::vector<std::string>& argv, const st
   arguments.push_back(nullptr);
   const pid_t parent = getpid();
   const pid_t pid = fork();
-  if (pid < 0) return fail(ErrorCode::io, "cannot start a process: " + system_text(errno), argv.front());
+  if (pid < 0) return fail(ErrorCode::io, "cannot start a process: " + system_text(errno), argv.front(),
+                               "too many processes run or memory is short: see ulimit -u and free");
   if (pid == 0) {  // only async-signal-safe calls from here to execv
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) _exit(127);
@@ -64,6 +65,7 @@ Result<void> ChildProcess::launch(const std::vector<std::string>& argv, const st
     execv(arguments[0], arguments.data());
     _exit(127);
   }
+  setpgid(pid, pid);  // whoever comes first: from here on the group can be killed
   pid_ = pid;
   reaped_ = false;
   return {};
@@ -71,8 +73,9 @@ Result<void> ChildProcess::launch(const std::vector<std::string>& argv, const st
 
 std::optional<std::string> ChildProcess::ended() {
   if (!reaped_) {
-    if (waitpid(pid_, &status_, WNOHANG) != pid_) return std::nullopt;
-    reaped_ = true;
+    siginfo_t end{};
+    if (waitid(P_PID, static_cast<id_t>(pid_), &end, WEXITED | WNOHANG | WNOWAIT) != 0 || end.si_pid != pid_) return std::nullopt;
+    kill_and_reap();
   }
   if (WIFSIGNALED(status_)) {
     const int number = WTERMSIG(status_);
@@ -91,18 +94,20 @@ void ChildProcess::finish(double timeout_s) {
 
 void ChildProcess::kill_and_reap() {
   if (reaped_) return;
-  kill(pid_, SIGKILL);
+  kill(-pid_, SIGKILL);  // before it is reaped: until then nobody else can get the number of the group
   while (waitpid(pid_, &status_, 0) < 0 && errno == EINTR) {
   }
   reaped_ = true;
 }
 
-std::optional<std::filesystem::path> find_program(const std::string& name) {
-  if (name.find('/') != std::string::npos)
-    return access(name.c_str(), X_OK) == 0 ? std::optional<std::filesystem::path>(name) : std::nullopt;
+std::optional<std::filesystem::path> find_program(const std::string& name, const std::filesystem::path& base) {
+  if (name.find('/') != std::string::npos) {
+    const std::filesystem::path file = std::filesystem::absolute(base / name);  // whoever starts it does so in another folder
+    return access(file.c_str(), X_OK) == 0 ? std::optional(file) : std::nullopt;
+  }
   const char* path = std::getenv("PATH");
   for (const std::string& folder : split(path != nullptr ? path : "/usr/bin:/bin", ':')) {
-    const std::filesystem::path candidate = std::filesystem::path(folder.empty() ? "." : folder) / name;
+    const std::filesystem::path candidate = std::filesystem::absolute(folder.empty() ? "." : folder) / name;
     if (access(candidate.c_str(), X_OK) == 0) return candidate;
   }
   return std::nullopt;

@@ -1,6 +1,6 @@
 #pragma once
 // A program that dies with us: started with its own working folder and log, killed and reaped at the end of
-// life.
+// life, and with it whatever it has started in its process group.
 
 #include <sys/types.h>
 
@@ -32,7 +32,8 @@ class ChildProcess {
                                                      const std::filesystem::path& folder,
                                                      const std::filesystem::path& log);
 
-  /// "exit code 3", "killed by signal 11 (Segmentation fault)"; nullopt while it runs.
+  /// "exit code 3", "killed by signal 11 (Segmentation fault)"; nullopt while it runs. Of one that has ended nothing that it
+  /// has started goes on.
   std::optional<std::string> ended();
 
   /// Waits at most timeout_s for a voluntary end, then kills. Never leaves a zombie.
@@ -48,8 +49,9 @@ class ChildProcess {
   bool reaped_ = true;
 };
 
-/// Full path of a program in PATH; nullopt when it is not installed.
-std::optional<std::filesystem::path> find_program(const std::string& name);
+/// Full path of a program in PATH; nullopt when it is not installed. A name with '/' is a file: relative to `base`, or to
+/// the working folder where that is empty.
+std::optional<std::filesystem::path> find_program(const std::string& name, const std::filesystem::path& base = {});
 
 /// Last line of a log file that is not empty, made printable; "" when there is none.
 std::string last_line(const std::filesystem::path& log);

@@ -4,6 +4,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <utility>
@@ -25,6 +26,13 @@ Descriptor::~Descriptor() { reset(); }
 void Descriptor::reset() {
   if (fd_ >= 0) close(fd_);
   fd_ = -1;
+}
+
+void close_inherited(int kept) {
+  constexpr unsigned kFirst = STDERR_FILENO + 1;
+  const auto keep = static_cast<unsigned>(kept);
+  if (keep > kFirst) ::close_range(kFirst, keep - 1, 0);
+  ::close_range(std::max(keep + 1, kFirst), ~0U, 0);
 }
 
 std::string system_text(int error_number) {

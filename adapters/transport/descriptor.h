@@ -24,6 +24,10 @@ class Descriptor {
   int fd_ = -1;
 };
 
+/// Closes in a process that was forked everything but `kept`, input, output and log: what it inherits stays open as long as
+/// it lives, and whoever waits for the end of a line would wait for it.
+void close_inherited(int kept);
+
 /// Text of an errno value.
 std::string system_text(int error_number);
 

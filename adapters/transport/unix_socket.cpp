@@ -28,7 +28,8 @@ Result<UnixListener> UnixListener::listen_at(const std::filesystem::path& path) 
   Descriptor fd(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (!fd || bind(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
       listen(fd.get(), 1) != 0)
-    return fail(ErrorCode::io, "cannot listen on a Unix socket: " + system_text(errno), path.string());
+    return fail(ErrorCode::io, "cannot listen on a Unix socket: " + system_text(errno), path.string(),
+                "set TMPDIR to a folder of a short name that can be written");
   return UnixListener(std::move(fd), path);
 }
 

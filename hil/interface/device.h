@@ -55,6 +55,11 @@ class MotorDrive : public Device {
   virtual Result<void> stop() = 0;
   /// Immediate stop in any state, several attempts; disarms.
   virtual Result<void> emergency() = 0;
+  /// Makes a drive that reports a fault forget it, stopped and switched off first: nothing moves afterwards. Errors: config
+  /// where the drive cannot be reset from here, device where the fault stays.
+  virtual Result<void> reset_fault() {
+    return fail(ErrorCode::config, "this adapter cannot reset the fault of its drive", "motor", "find its cause, then reset it at the drive");
+  }
   virtual double drive_timeout_s() const = 0;
 };
 

@@ -99,15 +99,16 @@ Result<void> BenchSession::arm() {
   return {};
 }
 
-void BenchSession::make_safe() noexcept {
+bool BenchSession::make_safe() noexcept {
   bool stopped = true;
   if (armed_ || guard_.id() > 0) stopped = motor_->emergency().has_value();
   armed_ = false;
   real_time_.release();
   if (stopped) guard_.dismiss();  // else it stays and tries when we are gone
-  if (!open_) return;
+  if (!open_) return stopped;
   (void)reference_->stop();
   (void)board_->stop();
+  return stopped;
 }
 
 void BenchSession::close() noexcept {

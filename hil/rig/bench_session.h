@@ -35,8 +35,9 @@ class BenchSession {
     guard_.beat();
     lease_.beat();
   }
-  /// Motor stopped, streams off, guard dismissed when the stop was confirmed. In any state, never fails.
-  void make_safe() noexcept;
+  /// Motor stopped, streams off, guard dismissed when the stop was confirmed. In any state. False: the drive was armed
+  /// and has confirmed no stop; the guard goes on trying when we are gone.
+  bool make_safe() noexcept;
   /// make_safe() and all instruments closed.
   void close() noexcept;
 

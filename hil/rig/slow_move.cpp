@@ -30,7 +30,7 @@ Result<SlowMoveEnd> move(BenchSession& s, const SlowMove& m) {
   std::vector<ReferenceReading> seen;
   while (std::fabs(state.theta_rad - m.angle_rad) > m.tolerance_rad) {
     if (m.stop != nullptr && m.stop->load())
-      return fail(ErrorCode::cancelled, "interrupted: the motor is stopped", s.bench().path.string());
+      return fail(ErrorCode::cancelled, "interrupted", s.bench().path.string());
     if (world.now_s() > until_s)
       return fail(ErrorCode::device,
                   fmt::format("the wheel does not reach {:.2f} rad: it stands at {:.2f} rad", m.angle_rad,
@@ -44,19 +44,19 @@ Result<SlowMoveEnd> move(BenchSession& s, const SlowMove& m) {
     FORCEGATE_TRY(state, s.motor().read());
     if (state.fault)
       return fail(ErrorCode::device, fmt::format("the drive reports fault {:#x}", state.fault_code), "motor",
-                  "find its cause in the drive's manual, then reset it");
+                  "find its cause in the drive's manual, then forcegate bench reset with the bench file");
     seen.clear();
     FORCEGATE_CHECK_OK(s.reference().poll(seen));
     for (const ReferenceReading& r : seen) {
       end.force_N = static_cast<double>(r.force_N);
       if (r.status != 0 || !(std::fabs(end.force_N) <= s.bench().limits.force_max_N))
         return fail(ErrorCode::safety,
-                    fmt::format("the force is {:.2f} N: the motor is stopped", end.force_N), "reference",
+                    fmt::format("the force is {:.2f} N", end.force_N), "reference",
                     "unload the sensor and look for what blocks the wheel");
       seen_s = world.now_s();
     }
     if (world.now_s() - seen_s > kSilence_s)
-      return fail(ErrorCode::safety, "the reference is silent: the motor is stopped", "reference",
+      return fail(ErrorCode::safety, "the reference is silent", "reference",
                   "check its cable");
   }
   FORCEGATE_CHECK_OK(s.motor().stop());
@@ -68,8 +68,16 @@ Result<SlowMoveEnd> move(BenchSession& s, const SlowMove& m) {
 
 Result<SlowMoveEnd> move_slowly(BenchSession& session, const SlowMove& m) {
   auto done = move(session, m);
-  if (!done) session.make_safe();
-  return done;
+  if (done) return done;
+  Error error = done.error();
+  const bool moved = session.armed();
+  if (!session.make_safe()) {
+    error.text += "; the drive confirms no stop, the motor may turn";
+    error.hint = fmt::format("cut the power of the drive unless its own timeout of {} s stops it", shortest(session.motor().drive_timeout_s()));
+  } else if (moved) {
+    error.text += ": the motor is stopped";
+  }
+  return Unexpected(std::move(error));
 }
 
 }  // namespace forcegate

@@ -62,7 +62,7 @@ RigInfo EmulatedRig::info() const {
 
 Result<void> EmulatedRig::begin(const RigRecordRequest& request) {
   begun_ = false;
-  FORCEGATE_TRY(const Specimen specimen, find_specimen(options_.sensor, request.specimen));
+  FORCEGATE_TRY(const Specimen specimen, find_specimen(request.specimen));
   FORCEGATE_TRY(faults_, parse_faults(request.faults));
   if (!(request.duration_s > 0.0 && request.duration_s < 1e7))
     return fail(ErrorCode::config, "a record of " + shortest(request.duration_s) + " s cannot be made");
@@ -110,6 +110,8 @@ Result<void> EmulatedRig::begin(const RigRecordRequest& request) {
   loss_ = Rng(record_seed, "sample_loss");
   stale_ = Rng(record_seed, "stale");
   sensor_stale_ = reference_stale_ = {};
+  stale_code_ = 0;
+  stale_reading_N_ = frozen_N_ = 0.0F;
   record_seed_ = record_seed;
   late_code_.assign(static_cast<std::size_t>(faults_.sensor_late_s * options_.rate_Hz), 0);
   late_reading_N_.assign(static_cast<std::size_t>(faults_.reference_late_s * options_.rate_Hz),

@@ -89,8 +89,7 @@ const std::vector<std::string>& panel_names() {
   return names;
 }
 
-Result<Specimen> find_specimen(SensorType type, std::string_view name) {
-  (void)type;  // both types share the draws and read their own fields
+Result<Specimen> find_specimen(std::string_view name) {
   if (name == "nominal" || name.empty()) return at_quantiles("nominal", 0.5, 0.5);
   for (const PanelEntry& e : kPanel)
     if (name == e.name) return at_quantiles(e.name, e.b_quantile, e.q_quantile);

@@ -36,7 +36,7 @@ inline constexpr double kNominalOffset_N = 0.15;
 const std::vector<std::string>& panel_names();  ///< "q05" "q15" "q25" "q38" "q50" "q62" "q75" "q85" "q95"
 
 /// "nominal", a name of the panel, any "qNN" (01-99, b and q at that quantile and its mirror), or "seed:N".
-Result<Specimen> find_specimen(SensorType type, std::string_view name);
+Result<Specimen> find_specimen(std::string_view name);
 
 /// The film of this specimen in a session: draws G, F0 and the repeatability from (seed, session);
 /// record > 0 draws the repeatability of b and q for that record of the session.

@@ -8,8 +8,6 @@ namespace forcegate::emulated {
 /// (Lebosse 2011, II-B); theta = 0 is the position of least force.
 class EccentricWheel {
  public:
-  static constexpr double kEccentricityMax_mm = 12.0;
-
   void set_eccentricity_mm(double e) { e_mm_ = e; }
   double eccentricity_mm() const { return e_mm_; }
 

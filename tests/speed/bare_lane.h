@@ -44,7 +44,7 @@ inline double bare_lane(std::uint64_t samples, const Calibration& calibration, F
   Converter converter;
   converter.begin({});
   Film film;
-  const auto specimen = find_specimen(SensorType::flexiforce, "nominal");
+  const auto specimen = find_specimen("nominal");
   film.begin(draw_session(SensorType::flexiforce, *specimen, 1, 0), kStep_s, force_N, 0.7, 7200.0, 1);
   WhiteNoise ati_noise(1, "ati_noise"), adc_noise(1, "adc_noise");
   LebosseOracle oracle(calibration);

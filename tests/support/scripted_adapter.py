@@ -22,6 +22,9 @@ def raw(text):
 
 def value():
     now = time.monotonic()
+    if device == "reference" and fault == "gap":  # silent for a while, then another force than before
+        time.sleep(0.2 if calls == 2 else 0)
+        return {"rows": [[time.monotonic() - 0.001, 1.5 if calls < 2 else 9.0, 0]]}
     if device == "reference":
         return {"rows": [[now - 0.001, 1.5, 0]]}
     if device == "board":

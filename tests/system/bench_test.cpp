@@ -327,6 +327,30 @@ kill -TERM $first; wait $first; echo "left $(ls "$1" | wc -l) of $(wc -l < "$1.b
   EXPECT_THAT(r.err, HasSubstr("twins are served in this folder already, by process " + r.out.substr(r.out.rfind(' ') + 1, r.out.size() - r.out.rfind(' ') - 2)));
 }
 
+TEST_F(Bench, ADriveThatStoppedByItselfIsResetByAVerb) {
+  const ProcessResult r = run_process(
+      {"bash", "-c", R"sh(set -m; "$0" bench serve rigs/twin.toml --folder "$1" > "$1.out" & host=$!
+for i in $(seq 100); do grep -q next: "$1.out" && break; sleep 0.1; done
+/usr/bin/python3 - "$1/motor.port" <<'END'
+import socket, struct, sys, time
+line = socket.create_connection(("127.0.0.1", int(open(sys.argv[1]).read())))
+for register, word in ((0x1000, 50), (0x007D, 0x28)):  # runs, and nobody talks to it any more
+    line.send(struct.pack(">HHHBBHH", 1, 0, 6, 1, 6, register, word))
+    line.recv(12)
+time.sleep(0.5)
+END
+"$0" bench doctor rigs/twin.toml --attach "$1"; echo "doctor $?"
+"$0" bench reset rigs/twin.toml --attach "$1"; echo "reset $?"
+"$0" bench reset rigs/twin.toml --attach "$1" --json; echo "again $?"
+"$0" bench doctor rigs/twin.toml --attach "$1" > /dev/null; echo "doctor $?"
+kill -TERM $host; wait $host)sh",
+       FORCEGATE_BINARY_DIR "/forcegate", folder / "twins"},
+      kHere);
+  for (const char* part : {"doctor 4\n", "then forcegate bench reset", "the drive has forgotten fault 0x84; the motor is stopped", "reset 0\n",
+                           "\"reset\": false", "again 0\n", "doctor 0\n"})
+    EXPECT_THAT(r.out, HasSubstr(part)) << r.err;
+}
+
 TEST_F(Bench, NobodyHoldsABenchThatNobodyUses) {
   const ProcessResult r = forcegate({"bench", "who", "rigs/twin.toml"}, kHere);
   EXPECT_EQ(r.exit_code, 0) << r.err;

@@ -110,7 +110,7 @@ TEST(CommandLine, CtrlCIsTold) {
 
 TEST(CommandLine, MissingAndSuperfluousArgumentsAreNamed) {
   EXPECT_THAT(forcegate({"convert", "a.csv"}).err, HasSubstr("TO is missing"));
-  EXPECT_THAT(forcegate({"bench"}).err, HasSubstr("help: one of: list, doctor, scan, serve, park, jog, who, specimens"));
+  EXPECT_THAT(forcegate({"bench"}).err, HasSubstr("help: one of: list, doctor, scan, serve, park, reset, jog, who, specimens"));
   EXPECT_THAT(forcegate({"version", "now"}).err, HasSubstr("unexpected argument \"now\""));
   EXPECT_THAT(forcegate({"stimulus", "sine", "--csv"}).err, HasSubstr("--csv wants a value FILE"));
   EXPECT_THAT(forcegate({"version", "--json=1"}).err, HasSubstr("--json takes no value"));

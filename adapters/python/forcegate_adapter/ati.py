@@ -84,12 +84,34 @@ class AtiSerial(ReferenceAdapter):
 
     def start(self):
         self._rest()
-        self.line.write(b"QS\r")
-        self.echo = True
         self.bad_in_a_row = 0
-        self.late_s = None
         self.last_s = -1e300
+        self._ask()
+
+    def _ask(self):
+        self.line.write(b"QS\r")
+        self.data.clear()
+        self.echo = True
+        self.stopping_s = None
+        self.late_s = None
         self.count = 0
+
+    def _stop(self):
+        """There is no sync byte: a stream that cannot be read is stopped, and asked for again when it has come to rest."""
+        self.line.write(b"\r")
+        self.data.clear()
+        self.stopping_s = time.monotonic()
+
+    def _rests(self):
+        """Whether a stream that was told to stop has done so: a prompt alone. Never waits, unlike _rest()."""
+        if self.data.strip() == b">":
+            return True
+        if self.data.rstrip().endswith(b">"):  # of the stream, or a byte of a record: the next CR tells
+            self.line.write(b"\r")
+            self.data.clear()
+        if time.monotonic() - self.stopping_s > 1.0:
+            raise AdapterError("the ATI controller does not come to rest", "check the baud rate")
+        return False
 
     def stop(self):
         self._rest()
@@ -97,6 +119,10 @@ class AtiSerial(ReferenceAdapter):
     def poll(self):
         now_s = time.monotonic()
         self.data += self.line.read(65536)
+        if self.stopping_s is not None:
+            if self._rests():
+                self._ask()
+            return []
         if self.echo:
             while self.data and self.data[0:1] in (b"Q", b"S", b"\r", b"\n"):
                 del self.data[0]
@@ -111,10 +137,7 @@ class AtiSerial(ReferenceAdapter):
                 self.bad_in_a_row += 1
                 if self.bad_in_a_row > 10:
                     raise AdapterError("the ATI stream is unreadable", "check baud rate and cable") from None
-                bad = self.bad_in_a_row
-                self._rest()  # there is no sync byte: stop, start again
-                self.start()
-                self.bad_in_a_row = bad
+                self._stop()
                 return readings
             if record is None:
                 return readings

@@ -69,7 +69,7 @@ class ReferenceAdapter(Adapter):
         return {
             "start": lambda request: _done(self.start()),
             "stop": lambda request: _done(self.stop()),
-            "poll": lambda request: {"rows": [[r.t_s, _number(r.force_N), int(r.status)] for r in self.poll()]},
+            "poll": lambda request: {"rows": [[r.t_s, r.force_N, int(r.status)] for r in self.poll()]},
         }
 
 
@@ -100,7 +100,7 @@ class BoardAdapter(Adapter):
 
     @staticmethod
     def _rows(samples, counts):
-        return {"rows": [[s.index, s.adc, _number(s.force_N), s.flags] for s in samples], **counts}
+        return {"rows": [[s.index, s.adc, s.force_N, s.flags] for s in samples], **counts}
 
 
 class MotorAdapter(Adapter):
@@ -138,8 +138,19 @@ def _done(_):
     return {}
 
 
-def _number(value):
-    return None if value is None or math.isnan(value) else value
+def _plain(value):
+    """As JSON takes it: numbers that are none become null, scalars of numpy numbers of Python."""
+    if isinstance(value, dict):
+        return {key: _plain(one) for key, one in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(one) for one in value]
+    if value is None or isinstance(value, (bool, int, str)):
+        return value
+    if isinstance(value, float):
+        return float(value) if math.isfinite(value) else None
+    if hasattr(value, "item"):
+        return _plain(value.item())
+    raise TypeError(f"{value!r} is no number, text, list or dict")
 
 
 def answer(adapter, line):
@@ -157,7 +168,7 @@ def answer(adapter, line):
             told = {}
         else:
             told = adapter.handle(verb, request)
-        return {"id": identity, "ok": True, "clock_s": time.monotonic(), **told}
+        return {"id": identity, "ok": True, "clock_s": time.monotonic(), **_plain(told)}
     except AdapterError as error:
         return {"id": identity, "ok": False, "error": str(error), "hint": error.hint}
     except NotImplementedError:

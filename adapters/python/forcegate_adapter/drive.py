@@ -39,8 +39,10 @@ class RtuDrive(MotorAdapter):
             self.line = None
 
     def _exchange(self, function, data, size):
-        """One request; the answer's data. Everything that came before the request is thrown away."""
+        """One request; the answer's data. Everything that came before the request is thrown away. RTU has no number of the
+        request: the answer to a write is held against its address and value or count, or a late one would confirm another."""
         body = bytes([self.slave, function]) + data
+        begins = body[:6] if function in (6, 16) else body[:2]
         last = "the drive does not answer"
         for _ in range(3):
             while self.line.read(4096):
@@ -53,10 +55,10 @@ class RtuDrive(MotorAdapter):
                 if len(reply) == 5 and reply[1] == function | 0x80 and crc16(reply[:3]) == struct.unpack("<H", reply[3:])[0]:
                     raise AdapterError(f"the drive answers with exception {reply[2]}")
                 time.sleep(0.0005)
-            if len(reply) == size + 4 and reply[:2] == body[:2] and crc16(reply[:-2]) == struct.unpack("<H", reply[-2:])[0]:
+            if len(reply) == size + 4 and reply.startswith(begins) and crc16(reply[:-2]) == struct.unpack("<H", reply[-2:])[0]:
                 return reply[2:-2]
             if reply:
-                last = "the drive's answers are damaged"
+                last = "the drive's answers are damaged, or those to earlier requests"
             time.sleep(0.05)  # a late answer must not meet the next request
         raise AdapterError(last, "check power, cable, baud rate and slave number of the drive")
 
@@ -66,11 +68,13 @@ class RtuDrive(MotorAdapter):
     def arm(self, timeout_s):
         state = self.read()
         if state["fault"]:
-            raise AdapterError(f"the drive reports fault {state['fault_code']:#x}")
-        self._write("comm_timeout", round(1000 * timeout_s))
-        echoed = self._exchange(3, struct.pack(">HH", self.register["comm_timeout"], 1), 3)
-        self._write("control", 0x20)
-        return struct.unpack(">H", echoed[1:])[0] / 1000.0
+            raise AdapterError(f"the drive reports fault {state['fault_code']:#x}", "find its cause in the drive's manual, then reset it")
+        timeout_ms = round(1000 * timeout_s)
+        self._write("comm_timeout", timeout_ms)
+        echoed_ms = struct.unpack(">H", self._exchange(3, struct.pack(">HH", self.register["comm_timeout"], 1), 3)[1:])[0]
+        if echoed_ms == timeout_ms:  # else the bench refuses: a drive that would not stop by itself stays off
+            self._write("control", 0x20)
+        return echoed_ms / 1000.0
 
     def velocity(self, rad_per_s):
         raw = struct.pack(">i", round(VELOCITY_SCALE * rad_per_s))

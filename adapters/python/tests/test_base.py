@@ -52,6 +52,24 @@ class Loop(unittest.TestCase):
     def test_lines_that_are_no_request_are_passed_over(self):
         self.assertEqual([t["id"] for t in talk(Scale(), "hello", '{"do":"poll"}', "[1]", '{"id":9,"do":"poll"}')], [9])
 
+    def test_numbers_that_json_does_not_know_are_none_and_end_nobody(self):
+        class Scalar:  # of numpy, as it were
+            def item(self):
+                return 2.25
+
+        class Wild(Scale):
+            def poll(self):
+                return [Reading(1.0, float("inf")), Reading(1.1, Scalar()), Reading(1.2, float("nan"), 2)]
+
+            def verbs(self):
+                return {**super().verbs(), "tell": lambda request: {"told": object()}}
+
+        told = talk(Wild(), '{"id":1,"do":"poll"}', '{"id":2,"do":"tell"}', '{"id":3,"do":"start"}')
+        self.assertEqual(told[0]["rows"], [[1.0, None, 0], [1.1, 2.25, 0], [1.2, None, 2]])
+        self.assertFalse(told[1]["ok"])
+        self.assertIn("is no number", told[1]["error"])
+        self.assertTrue(told[2]["ok"])
+
     def test_the_end_of_the_input_closes_the_instrument(self):
         scale = Scale()
         talk(scale)

@@ -86,6 +86,48 @@ class Ati(Played):
         ati.open(self.cable.ports[0], {"counts_per_force": 1000}, True)
         self.assertEqual(heard, [b"CD B", b"CD R", b"CD E", b"SM 1"])
 
+    def test_a_stream_that_cannot_be_read_is_asked_for_again_and_no_poll_waits(self):
+        line = serial.Serial(self.cable.ports[1], timeout=0.005)
+        self.addCleanup(line.close)
+        asked = []
+
+        def run(stop):
+            data, streaming = b"", False
+            while not stop():
+                data += line.read(64)
+                while b"\r" in data:
+                    text, data = data.split(b"\r", 1)
+                    if text == b"QS":
+                        asked.append(text)
+                        line.write(b"QS\r\n")
+                        if len(asked) == 1:
+                            line.write(14 * b"\xff")
+                        streaming = True
+                        continue
+                    if asked:
+                        time.sleep(0.4)  # answers take their time
+                    streaming = False
+                    line.write(text + b"\r\n\r\n>")
+                if streaming and len(asked) > 1:
+                    line.write(record(0, (0, 0, 1500, 0, 0, 0), True))
+
+        self.play(run)
+        ati = AtiSerial()
+        self.addCleanup(ati.close)
+        ati.open(self.cable.ports[0], {"counts_per_force": 1000}, True)
+        ati.start()
+        waits = []
+        readings = []
+        end = time.monotonic() + 30
+        while len(readings) < 5 and time.monotonic() < end:
+            time.sleep(0.01)
+            begun_s = time.monotonic()
+            readings += ati.poll()
+            waits.append(time.monotonic() - begun_s)
+        self.assertEqual(len(asked), 2)
+        self.assertEqual({r.force_N for r in readings}, {1.5})
+        self.assertLess(max(waits), 0.3)  # an answer of the controller takes longer
+
     def test_a_silent_line_is_an_error_not_a_hang(self):
         with self.assertRaises(AdapterError) as caught:
             AtiSerial().open(self.cable.ports[0], {"counts_per_force": 1000}, True)
@@ -93,6 +135,52 @@ class Ati(Played):
 
 
 class Drive(Played):
+    def open_drive(self, reply_to):
+        """A drive whose answers, without CRC, are what `reply_to` makes of the requests."""
+        line = serial.Serial(self.cable.ports[1], timeout=0.005)
+        self.addCleanup(line.close)
+
+        def run(stop):
+            data = b""
+            while not stop():
+                data += line.read(64)
+                while len(data) >= 8:
+                    size = 8 if data[1] != 16 else 9 + data[6]
+                    request, data = data[: size - 2], data[size:]
+                    reply = reply_to(request)
+                    line.write(reply + struct.pack("<H", crc16(reply)))
+
+        self.play(run)
+        drive = RtuDrive()
+        self.addCleanup(drive.close)
+        drive.open(self.cable.ports[0], {}, True)
+        return drive
+
+    def test_the_echo_of_another_write_confirms_none(self):
+        drive = self.open_drive(lambda request: b"\x01\x06" + struct.pack(">HH", 0x7D, 0x28))  # the last velocity's, late
+        with self.assertRaises(AdapterError) as caught:
+            drive.emergency()
+        self.assertIn("earlier requests", str(caught.exception))
+        with self.assertRaises(AdapterError):
+            drive.velocity(1.0)
+
+    def test_a_drive_that_keeps_another_timeout_is_not_switched_on(self):
+        written = []
+
+        def reply_to(request):
+            if request[1] == 6:
+                written.append(struct.unpack(">HH", request[2:6]))
+                return request[:6]
+            if request[2:4] == b"\x10\x00":
+                return b"\x01\x03\x02" + struct.pack(">H", 0)
+            scratch = [word for register, word in written if register == 0x106][-1]
+            return b"\x01\x03\x0e" + struct.pack(">HHiiH", 0, 0, 0, 0, scratch)
+
+        drive = self.open_drive(reply_to)
+        self.assertEqual(drive.arm(0.2), 0.0)
+        self.assertIn((0x1000, 200), written)
+        self.assertNotIn((0x7D, 0x20), written)
+
     def test_the_checksum_is_the_one_of_the_specification(self):
         self.assertEqual(crc16(bytes.fromhex("11 03 00 6b 00 03")), 0x8776)
 

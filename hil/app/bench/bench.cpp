@@ -148,7 +148,7 @@ Result<std::vector<BenchItem>> examine_bench(const fs::path& file,
                           1e3 * s->motor().drive_timeout_s())
             : "");
   if (state && state->fault)
-    items.back().good = false, items.back().remedy = "find the cause of the fault, then reset the drive";
+    items.back().good = false, items.back().remedy = "find the cause of the fault in the drive's manual, then forcegate bench reset with the bench file";
   return items;
 }
 
@@ -203,6 +203,17 @@ Result<int> park_bench(const fs::path& file, const std::map<std::string, std::st
   if (holder) (void)stop_motor_now(bench, options);
   if (!stopped) return Unexpected(stopped.error());
   return holder ? holder->pid : 0;
+}
+
+Result<std::optional<std::uint32_t>> reset_bench(const fs::path& file, const std::map<std::string, std::string>& options) {
+  FORCEGATE_TRY(BenchFile bench, read_bench(file));
+  FORCEGATE_TRY(const auto s, BenchSession::make(std::move(bench), options));
+  FORCEGATE_TRY(const BenchSession::Opened opened, s->open_each());
+  FORCEGATE_CHECK_OK(opened.motor);  // the others may be off
+  FORCEGATE_TRY(const MotorState state, s->motor().read());
+  if (!state.fault) return std::optional<std::uint32_t>();
+  FORCEGATE_CHECK_OK(s->motor().reset_fault());
+  return std::optional<std::uint32_t>(state.fault_code);
 }
 
 Result<JogResult> jog_bench(const fs::path& file, const std::map<std::string, std::string>& options,

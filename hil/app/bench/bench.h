@@ -43,6 +43,10 @@ Result<void> serve_bench(const std::filesystem::path& file, const std::filesyste
 /// Stops the motor at once whoever holds the bench, and asks the holder to end (SIGTERM). The holder's pid, 0: nobody.
 Result<int> park_bench(const std::filesystem::path& file, const std::map<std::string, std::string>& options);
 
+/// Stops the motor and makes the drive forget its fault; nothing moves, and the bench must be free. The fault that it
+/// reported, nothing where it reported none.
+Result<std::optional<std::uint32_t>> reset_bench(const std::filesystem::path& file, const std::map<std::string, std::string>& options);
+
 struct JogResult {
   double from_rad = 0.0, to_rad = 0.0, force_N = 0.0;
 };

@@ -113,6 +113,15 @@ Result<int> park(const Invocation& in) {
   return kExitSuccess;
 }
 
+Result<int> reset(const Invocation& in) {
+  FORCEGATE_TRY(const std::string file, file_of(in));
+  FORCEGATE_TRY(const auto fault, reset_bench(file, options_of(in)));
+  in.console().print(fault ? fmt::format("the drive has forgotten fault {:#x}; the motor is stopped", *fault) : "the drive reports no fault");
+  in.console().print_json(Json({{"format", 1}, {"reset", fault.has_value()}, {"fault_code", fault ? Json(*fault) : Json()}}).dump(2));
+  in.console().next("forcegate bench doctor " + bench_words(in, file));
+  return kExitSuccess;
+}
+
 Result<int> jog(const Invocation& in) {
   FORCEGATE_TRY(const std::string file, file_of(in));
   FORCEGATE_TRY(const double angle, in.number("angle", -6.3, 6.3));
@@ -178,6 +187,7 @@ Result<int> run(const Invocation& in) {
   if (action == "scan") return scan(in);
   if (action == "serve") return serve(in);
   if (action == "park") return park(in);
+  if (action == "reset") return reset(in);
   if (action == "jog") return jog(in);
   if (action == "specimens") return specimens(in);
   return who(in);
@@ -186,7 +196,7 @@ Result<int> run(const Invocation& in) {
 const Registration<Command> kRow{Command{
     .name = "bench",
     .group = "Bench",
-    .summary = "instruments on the table: list, doctor, scan, serve, park, jog, who, specimens",
+    .summary = "instruments on the table: list, doctor, scan, serve, park, reset, jog, who, specimens",
     .description =
         "A bench is one TOML file: instruments, ports, limits, calibrations, geometry (docs/bench.md). A bench with "
         "[twins] has wire-level twins instead of instruments and needs no hardware.\n\n"
@@ -195,6 +205,7 @@ const Registration<Command> kRow{Command{
         "scan    serial ports and HID devices with their stable names\n"
         "serve   leaves the twins of a bench running for a person or another program\n"
         "park    emergency stop: the motor at once, whoever holds the bench\n"
+        "reset   makes a drive forget its fault when you have found the cause; stops it first, nothing moves\n"
         "jog     turns the wheel to an angle, slowly and under the limits\n"
         "who     which process holds the bench\n"
         "specimens  how long each specimen has rested, and what it has been through\n\n"
@@ -204,8 +215,8 @@ const Registration<Command> kRow{Command{
                      .doc = "What to do.",
                      .choices =
                          [] {
-                           return std::vector<std::string>{"list", "doctor", "scan", "serve",
-                                                           "park", "jog",    "who",  "specimens"};
+                           return std::vector<std::string>{"list", "doctor", "scan", "serve",    "park",
+                                                           "reset", "jog",   "who",  "specimens"};
                          }},
                     {.name = "FILE", .doc = "Bench file.", .required = false, .repeatable = true, .names = Names::input}},
     .options = {{.name = "attach",

@@ -131,7 +131,7 @@ class Planner {
   double scale_, minutes_;
 };
 
-/// At most a third of the records, never the first ramp, and never the only record of a required kind.
+/// Two or three records, of a short campaign more than half; never the first ramp, and never the only record of a required kind.
 void choose_heldout(Rng& rng, std::vector<RecordPlan>& plans, const std::vector<std::string>& required) {
   const auto fitted = [&](const std::string& kind) {
     return std::count_if(plans.begin(), plans.end(),

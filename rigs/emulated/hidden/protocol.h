@@ -10,7 +10,7 @@
 
 namespace forcegate::hidden {
 
-/// 7 to 11 records: a slow ramp first, two long sines, the kinds in `required` (with multiplicity) and a draw
+/// 5 to 13 records: a slow ramp first, two long sines, the kinds in `required` (with multiplicity) and a draw
 /// of the rest. `minutes` is the length of the long sines; the other records scale down with it but never
 /// below what their kind needs. Held-out records are chosen so that the fit keeps one of every required kind
 /// it can.

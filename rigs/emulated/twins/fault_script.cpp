@@ -1,8 +1,10 @@
 #include "rigs/emulated/twins/fault_script.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "hil/base/text.h"
+#include "rigs/emulated/twins/control_words.h"
 
 namespace forcegate::emulated {
 
@@ -38,10 +40,48 @@ Result<FaultEntry> FaultScript::read_entry(const ConfigNode& table) {
     const std::vector<std::string> devices = devices_with(e.kind);
     if (std::find(devices.begin(), devices.end(), e.device) == devices.end())
       in.complain(table, "the device '" + e.device + "' has no fault '" + kind + "'", "it is one of: " + join(devices, ", "));
+    if (e.kind == WireFault::garbage && e.amount > kGarbageMax)
+      in.complain(*table.find("amount"), "more than " + shortest(kGarbageMax) + " bytes of garbage before a message", "give a smaller amount");
   }
   FORCEGATE_CHECK_OK(in.finish());
   if (const ConfigNode* at = table.find("at_s")) e.where = at->where;
   return e;
+}
+
+Result<FaultEntry> FaultScript::read_words(std::span<const std::string> words) {
+  if (words.size() != 6) return fail(ErrorCode::usage, "a fault is told as DEVICE KIND AT_S FOR_S COUNT AMOUNT");
+  const auto& names = fault_names();
+  const auto kind = std::find(names.begin(), names.end(), words[1]);
+  if (kind == names.end()) return fail(ErrorCode::usage, "there is no fault '" + words[1] + "': it is one of " + join(names, ", "));
+  FaultEntry e;
+  e.device = words[0];
+  e.kind = static_cast<WireFault>(kind - names.begin());
+  const std::vector<std::string> devices = devices_with(e.kind);
+  if (std::find(devices.begin(), devices.end(), e.device) == devices.end())
+    return fail(ErrorCode::usage, "the device '" + e.device + "' has no fault '" + words[1] + "'; of these one has: " + join(devices, ", "));
+  double count = 0.0;
+  const struct {
+    const char* name;
+    const std::string& word;
+    double& out;
+    double highest;
+  } numbers[] = {{"AT_S", words[2], e.at_s, 1e9},
+                 {"FOR_S", words[3], e.for_s, 1e9},
+                 {"COUNT", words[4], count, 1e9},
+                 {"AMOUNT", words[5], e.amount, e.kind == WireFault::garbage ? kGarbageMax : 1e6}};
+  for (const auto& n : numbers) {
+    const auto value = number_in(n.word);
+    if (!value || *value < 0.0 || *value > n.highest)
+      return fail(ErrorCode::usage, std::string(n.name) + " of a fault must be a number from 0 to " + shortest(n.highest) + ", not '" + n.word + "'");
+    n.out = *value;
+  }
+  if (count != std::floor(count)) return fail(ErrorCode::usage, "COUNT of a fault must be a whole number, not '" + words[4] + "'");
+  if (count > 0.0) e.count = static_cast<std::uint64_t>(count);
+  return e;
+}
+
+void FaultScript::begin_record() {
+  for (Live& live : entries_) live.used = 0;
 }
 
 bool FaultScript::covers(const Live& live, const std::string& device, WireFault kind, double t_s) {

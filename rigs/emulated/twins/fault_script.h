@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -35,7 +36,7 @@ struct FaultEntry {
   WireFault kind = WireFault::drop;
   double at_s = 0.0;  ///< plant time of the record
   double for_s = std::numeric_limits<double>::infinity();
-  std::uint64_t count = std::numeric_limits<std::uint64_t>::max();  ///< messages at most
+  std::uint64_t count = std::numeric_limits<std::uint64_t>::max();  ///< messages of a record at most
   double amount = 0.0;
   std::string where;  ///< of at_s in the file; "": none was written
 };
@@ -46,9 +47,15 @@ std::vector<std::string> devices_with(WireFault kind);
 
 class FaultScript {
  public:
+  static constexpr double kGarbageMax = 4096;  ///< bytes
+
   static Result<FaultEntry> read_entry(const ConfigNode& table);
+  /// DEVICE KIND AT_S FOR_S COUNT AMOUNT of the control socket; COUNT 0: any number of messages. Errors: usage.
+  static Result<FaultEntry> read_words(std::span<const std::string> words);
   void add(FaultEntry entry) { entries_.push_back({std::move(entry), 0}); }
   void clear() { entries_.clear(); }
+  /// Times and messages count from here.
+  void begin_record();
 
   /// Whether a fault of that kind is on for a device now; a hit counts against its number of messages.
   bool hit(const std::string& device, WireFault kind, double t_s, double* amount = nullptr);

@@ -6,13 +6,14 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <fstream>
+#include <span>
 
 #include "hil/base/text.h"
 #include "rigs/emulated/twins/ati_controller.h"
 #include "rigs/emulated/twins/control_socket.h"
+#include "rigs/emulated/twins/control_words.h"
 #include "rigs/emulated/twins/digital_ft.h"
 #include "rigs/emulated/twins/netft.h"
 
@@ -23,11 +24,7 @@ constexpr double kEndless_s = 9e6;
 constexpr double kByteWait_s = 5.0;
 constexpr std::size_t kChunk = 10;
 
-double number_of(const std::string& text) {
-  double v = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), v);
-  return error == std::errc{} && end == text.data() + text.size() ? v : std::nan("");
-}
+std::string told(const Error& e) { return "error " + std::string(to_string(e.code)) + " " + e.text; }
 
 }  // namespace
 
@@ -203,7 +200,7 @@ std::string TwinHost::execute(Client& client, const std::string& line) {
   if (verb == "mount") return mount(words);
   if (verb == "flash") {
     auto done = line.size() > 6 ? board_.flash(line.substr(6)) : fail(ErrorCode::usage, "flash needs a path");
-    return done ? "ok" : "error " + std::string(to_string(done.error().code)) + " " + done.error().text;
+    return done ? "ok" : told(done.error());
   }
   if (verb == "attach" && words.size() == 2) {
     Wire* wire = wire_of(words[1]);
@@ -215,8 +212,10 @@ std::string TwinHost::execute(Client& client, const std::string& line) {
   if (verb == "status") return status();
   if (verb == "image") return board_.fate().empty() ? "ok runs" : "ok " + board_.fate();
   if (verb == "fault") return fault(words);
-  if (verb == "load" && words.size() == 2 && std::isfinite(number_of(words[1]))) {
-    weight_N_ = number_of(words[1]);
+  if (verb == "load" && words.size() == 2) {
+    const auto newtons = number_in(words[1]);
+    if (!newtons) return "error usage load wants a weight in newtons, not '" + words[1] + "'";
+    weight_N_ = *newtons;
     return "ok";
   }
   return "error unknown command; known: mount flash attach advance status image fault load";
@@ -227,20 +226,9 @@ std::string TwinHost::fault(const std::vector<std::string>& words) {
     faults_.clear();
     return "ok";
   }
-  if (words.size() != 7) return "error fault DEVICE KIND AT_S FOR_S COUNT AMOUNT";
-  const auto& names = fault_names();
-  const auto kind = std::find(names.begin(), names.end(), words[2]);
-  if (wire_of(words[1]) == nullptr || kind == names.end()) return "error no such device or fault";
-  if (const auto devices = devices_with(static_cast<WireFault>(kind - names.begin())); std::find(devices.begin(), devices.end(), words[1]) == devices.end())
-    return "error the device '" + words[1] + "' has no fault '" + words[2] + "'";
-  FaultEntry e;
-  e.device = words[1];
-  e.kind = static_cast<WireFault>(kind - names.begin());
-  e.at_s = number_of(words[3]);
-  e.for_s = number_of(words[4]);
-  if (const double count = number_of(words[5]); count > 0) e.count = static_cast<std::uint64_t>(count);
-  e.amount = number_of(words[6]);
-  faults_.add(e);
+  auto entry = FaultScript::read_words(std::span(words).subspan(1));
+  if (!entry) return told(entry.error());
+  faults_.add(std::move(*entry));
   return "ok";
 }
 
@@ -249,11 +237,18 @@ std::string TwinHost::mount(const std::vector<std::string>& words) {
   q.duration_s = kEndless_s;
   for (std::size_t i = 1; i < words.size(); ++i) {
     const std::size_t equals = words[i].find('=');
-    if (equals == std::string::npos) return "error mount wants key=value";
+    if (equals == std::string::npos) return "error usage mount wants key=value";
     const std::string key = words[i].substr(0, equals), value = words[i].substr(equals + 1);
-    const double v = number_of(value);
+    bool good = true;
     const auto whole = [&](std::uint64_t& out) {
-      std::from_chars(value.data(), value.data() + value.size(), out);
+      const auto v = whole_in(value);
+      good = v.has_value();
+      out = v.value_or(out);
+    };
+    const auto number = [&](double& out) {
+      const auto v = number_in(value);
+      good = v.has_value();
+      out = v.value_or(out);
     };
     if (key == "specimen")
       q.specimen = value;
@@ -264,19 +259,21 @@ std::string TwinHost::mount(const std::vector<std::string>& words) {
     else if (key == "record")
       whole(q.record);
     else if (key == "rest_s")
-      q.rest_before_s = v;
+      number(q.rest_before_s);
     else if (key == "low_N")
-      q.force_low_N = v;
+      number(q.force_low_N);
     else if (key == "high_N")
-      q.force_high_N = v;
+      number(q.force_high_N);
     else if (key.starts_with("fault:"))
-      q.faults[key.substr(6)] = v;
+      number(q.faults[key.substr(6)]);
     else
-      return "error mount knows no " + key;
+      return "error usage mount knows no " + key;
+    if (!good) return "error usage " + key + " of mount must be a " + (key == "seed" || key == "session" || key == "record" ? "whole number" : "number") + ", not '" + value + "'";
   }
   plant_.park();
   auto begun = plant_.begin(q);
-  if (!begun) return "error " + std::string(to_string(begun.error().code)) + " " + begun.error().text;
+  if (!begun) return told(begun.error());
+  faults_.begin_record();
   drive_.power_cycle();
   drive_.see(plant_.theta_rad(), 0.0, false);
   reference_->restart_clock(0.0);
@@ -291,23 +288,24 @@ std::string TwinHost::mount(const std::vector<std::string>& words) {
 
 std::string TwinHost::advance(const std::vector<std::string>& words) {
   if (words.size() < 2) return "error advance SAMPLES";
-  const double n = number_of(words[1]);
-  if (!(n >= 0 && n <= 1e6)) return "error advance SAMPLES";
+  const auto n = whole_in(words[1]);
+  if (!n || *n > 1000000) return "error usage advance wants samples from 0 to 1000000, not '" + words[1] + "'";
   // Everything that the client has sent counts as said before time goes on.
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(kByteWait_s);
   for (std::size_t i = 2; i < words.size(); ++i) {
     const std::size_t equals = words[i].find('=');
     Wire* wire = equals == std::string::npos ? nullptr : wire_of(words[i].substr(0, equals));
     if (wire == nullptr) return "error advance knows no such device";
-    const double due = number_of(words[i].substr(equals + 1));
+    const auto due = whole_in(std::string_view(words[i]).substr(equals + 1));
+    if (!due) return "error usage advance wants DEVICE=BYTES, not '" + words[i] + "'";
     while (!wire->unplugged() && wire->terminal() != nullptr &&
-           static_cast<double>(wire->terminal()->received) < due && std::chrono::steady_clock::now() < end) {
+           wire->terminal()->received < *due && std::chrono::steady_clock::now() < end) {
       pollfd p{wire->terminal()->fd.get(), POLLIN, 0};
       ::poll(&p, 1, 20);
       wire->receive(t_s_);
     }
   }
-  step(static_cast<std::size_t>(n));
+  step(static_cast<std::size_t>(*n));
   advanced_s_ = board_.streaming() ? board_.sent_samples() / options_.plant.rate_Hz : -1.0;
   for (Wire* w : {&reference_wire_, &board_wire_}) w->apply_plug(t_s_);
   std::string reply = fmt::format("ok {:.9g}", t_s_);

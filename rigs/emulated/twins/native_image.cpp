@@ -189,13 +189,13 @@ class NativeImage final : public MonitorImage {
 Result<std::unique_ptr<BoardImage>> load_native_image(const std::string& path) {
   int ends[2];
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
-    return fail(ErrorCode::io, "cannot make a pair of sockets: " + system_text(errno));
+    return fail(ErrorCode::io, "cannot make a pair of sockets: " + system_text(errno), path, "too many files are open: see ulimit -n");
   Descriptor ours(ends[0]), theirs(ends[1]);
   pid_t child = fork();
-  if (child < 0) return fail(ErrorCode::io, "cannot start a process: " + system_text(errno));
+  if (child < 0) return fail(ErrorCode::io, "cannot start a process: " + system_text(errno), path, "too many processes run or memory is short: see ulimit -u and free");
   if (child == 0) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    ours.reset();
+    close_inherited(theirs.get());  // a port that the image held open could not be unplugged
     void* library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
     const auto abi = library != nullptr ? reinterpret_cast<std::uint32_t (*)()>(dlsym(library, "forcegate_native_abi")) : nullptr;
     const bool port = abi != nullptr && dlsym(library, "forcegate_native_open") != nullptr &&

@@ -12,11 +12,10 @@ Result<TwinOptions> read_twin_options(const ConfigNode& bench) {
     return fail(ErrorCode::config, "the bench file has no [twins]", bench.where,
                 "only a bench of twins can be emulated; rigs/twin.toml is one");
   ConfigReader in(*twins, "[twins]", kGuide);
-  std::string sensor = "flexiforce", clock = "virtual", folder;
+  std::string sensor = "flexiforce", clock = "virtual";
   std::int64_t adc_bits = 16;
   in.choice("sensor", sensor, {"flexiforce", "fsr"});
   in.choice("clock", clock, {"virtual", "paced"});
-  in.text("folder", folder);
   in.integer("adc_bits", adc_bits, 8, 16);
   in.boolean("session_spread", o.plant.session_spread);
   in.boolean("noise", o.plant.noise);

@@ -35,7 +35,8 @@ Result<void> Wire::open_terminal(const std::filesystem::path& link) {
   char name[128] = "";
   if (!master || grantpt(master.get()) != 0 || unlockpt(master.get()) != 0 ||
       ptsname_r(master.get(), name, sizeof name) != 0)
-    return fail(ErrorCode::io, "cannot make a pseudo terminal: " + system_text(errno));
+    return fail(ErrorCode::io, "cannot make a pseudo terminal: " + system_text(errno), "/dev/ptmx",
+                "end programs that hold some; /proc/sys/kernel/pty/max is how many there may be");
   keeper_ = Descriptor(open(name, O_RDWR | O_NOCTTY | O_CLOEXEC));
   termios raw{};
   if (!keeper_ || tcgetattr(keeper_.get(), &raw) != 0)
@@ -60,7 +61,8 @@ Result<int> Wire::open_server(int port) {
   if (!fd || bind(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
       listen(fd.get(), 8) != 0 || getsockname(fd.get(), reinterpret_cast<sockaddr*>(&address), &size) != 0)
     return fail(ErrorCode::io,
-                "cannot listen on TCP port " + std::to_string(port) + ": " + system_text(errno));
+                "cannot listen on TCP port " + std::to_string(port) + ": " + system_text(errno), "127.0.0.1",
+                "end the program that has it, or give 0 in the bench file: any free port");
   listener_ = std::move(fd);
   return ntohs(address.sin_port);
 }
@@ -71,7 +73,8 @@ Result<int> Wire::open_datagrams(int port) {
   socklen_t size = sizeof address;
   if (!fd || bind(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
       getsockname(fd.get(), reinterpret_cast<sockaddr*>(&address), &size) != 0)
-    return fail(ErrorCode::io, "cannot bind UDP port " + std::to_string(port) + ": " + system_text(errno));
+    return fail(ErrorCode::io, "cannot bind UDP port " + std::to_string(port) + ": " + system_text(errno), "127.0.0.1",
+                "end the program that has it, or give 0 in the bench file: any free port");
   terminal_.fd = std::move(fd);
   datagrams_ = true;
   return ntohs(address.sin_port);
@@ -154,7 +157,7 @@ void Wire::put(WireEnd& end, std::span<const std::uint8_t> bytes) {
 void Wire::send(WireEnd* end, Bytes message, double t_s) {
   if (end == nullptr) end = &terminal_;
   if (unplugged_ || !end->fd || message.empty()) return;
-  double amount = 0.0;
+  double garbage_bytes = 0.0, delay_ms = 0.0;
   if (faults_.active(device_, WireFault::stall, t_s)) return;
   if (faults_.hit(device_, WireFault::drop, t_s)) return;
   if (faults_.hit(device_, WireFault::drop_byte, t_s))
@@ -162,14 +165,14 @@ void Wire::send(WireEnd* end, Bytes message, double t_s) {
   if (!message.empty() && faults_.hit(device_, WireFault::corrupt, t_s))
     message[rng_.below(message.size())] ^= static_cast<std::uint8_t>(1U << rng_.below(8));
   if (faults_.hit(device_, WireFault::truncate, t_s)) message.resize(message.size() / 2);
-  if (faults_.hit(device_, WireFault::garbage, t_s, &amount)) {
-    Bytes noise(static_cast<std::size_t>(amount));
+  if (faults_.hit(device_, WireFault::garbage, t_s, &garbage_bytes)) {
+    Bytes noise(static_cast<std::size_t>(garbage_bytes));
     for (std::uint8_t& b : noise) b = static_cast<std::uint8_t>(rng_.next());
     message.insert(message.begin(), noise.begin(), noise.end());
   }
   const bool twice = faults_.hit(device_, WireFault::duplicate, t_s);
-  if (faults_.hit(device_, WireFault::delay, t_s, &amount) || !delayed_.empty()) {
-    delayed_.push_back({clock_s(t_s) + amount * 1e-3, end, message});
+  if (faults_.hit(device_, WireFault::delay, t_s, &delay_ms) || !delayed_.empty()) {
+    delayed_.push_back({clock_s(t_s) + delay_ms * 1e-3, end, message});
     if (twice) delayed_.push_back(delayed_.back());
     return;
   }

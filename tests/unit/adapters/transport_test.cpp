@@ -1,7 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
+#include <fstream>
+#include <thread>
 
 #include "adapters/transport/child_process.h"
 #include "adapters/transport/private_folder.h"
@@ -79,6 +83,45 @@ TEST(ChildProcess, TellsExitCodesAndSignalsInWordsAndLeavesNobodyBehind) {
   child.kill_and_reap();
   EXPECT_EQ(child.ended().value(), "killed by signal 9 (Killed)");
   EXPECT_EQ(kill(id, 0), -1);
+}
+
+TEST(ChildProcess, TakesWhatItHasStartedWithItHoweverItEnds) {
+  auto folder = PrivateFolder::make();
+  ASSERT_TRUE(folder);
+  const auto log = folder->path() / "log";
+  const auto grandchild = [&] {
+    std::string id;
+    for (int i = 0; i < 2000 && id.empty(); ++i) {
+      id = last_line(log);
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return static_cast<pid_t>(std::atoi(id.c_str()));
+  };
+  // An orphan that is dead may wait for its new parent to reap it.
+  const auto runs = [](pid_t id) {
+    std::ifstream stat("/proc/" + std::to_string(id) + "/stat");
+    std::string number, name, state;
+    return stat >> number >> name >> state && state != "Z" && state != "X";
+  };
+  const auto ends = [&](pid_t id) {
+    for (int i = 0; i < 2000 && runs(id); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    return !runs(id);
+  };
+  ChildProcess child;
+  ASSERT_TRUE(child.start({"/bin/sh", "-c", "sleep 300 & echo $!; wait"}, folder->path(), log));
+  pid_t id = grandchild();
+  ASSERT_GT(id, 1);
+  child.kill_and_reap();
+  EXPECT_TRUE(ends(id)) << "the program was killed";
+  if (runs(id)) kill(id, SIGKILL);
+
+  ASSERT_TRUE(child.start({"/bin/sh", "-c", "sleep 300 & echo $!"}, folder->path(), log));
+  id = grandchild();
+  ASSERT_GT(id, 1);
+  child.finish(5.0);
+  EXPECT_EQ(child.ended().value(), "exit code 0");
+  EXPECT_TRUE(ends(id)) << "the program ended by itself";
+  if (runs(id)) kill(id, SIGKILL);
 }
 
 TEST(PrivateFolder, IsGoneWithItsContents) {

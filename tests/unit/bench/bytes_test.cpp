@@ -66,6 +66,8 @@ TEST(ModbusBytes, AValueBeyondItsLimitsIsNeverEncoded) {
   EXPECT_EQ(modbus::encode(r, std::nan("")).error().code, ErrorCode::safety);
   r.low = r.high = std::nullopt;
   EXPECT_EQ(modbus::encode(r, 40000.0).error().code, ErrorCode::config);
+  r.type = modbus::WordType::f32;
+  EXPECT_EQ(modbus::encode(r, 1e39).error().code, ErrorCode::config);
 }
 
 // sequence 7 | F/T sequence 1000007 | status 0 | Fx 3, Fy -2, Fz 1500000, Tx 1, Ty 0, Tz -1

@@ -121,6 +121,17 @@ TEST_P(ProgramFault, OfAReferenceNeverShowsAWrongForce) {
   reference->close();
 }
 
+TEST(ProgramAdapter, AForceThatChangedDuringASilenceIsNoJump) {
+  WallWorld world;
+  const auto reference = make_device<ReferenceKind>("reference", "gap", world);
+  ASSERT_TRUE(reference->open());
+  ASSERT_TRUE(reference->start());
+  std::vector<ReferenceReading> readings;
+  for (int i = 0; i < 5; ++i) ASSERT_TRUE(reference->poll(readings));
+  ASSERT_EQ(readings.size(), 5U) << reference->counts().at("unbelievable readings refused") << " refused";
+  EXPECT_EQ(readings.back().force_N, 9.0F);
+}
+
 TEST_P(ProgramFault, OfABoardNeverShowsAWrongSample) {
   WallWorld world;
   const auto board = make_device<BoardKind>("board", GetParam(), world);
@@ -199,6 +210,23 @@ TEST(ProgramAdapter, RunsInTheFolderOfABenchFileWhoseNameHasAColon) {
     text.replace(text.find(from), from.size(), to);
   auto table = parse_config(text, (home / "bench.toml").string());
   ASSERT_TRUE(table);
+  auto board = Registry<BoardKind>::instance().find("process")->make(*table, world);
+  ASSERT_TRUE(board) << board.error().to_text();
+  const auto opened = (*board)->open();
+  ASSERT_TRUE(opened) << opened.error().to_text();
+  EXPECT_FALSE(opened->by_file) << "it told the folder that it runs in";
+}
+
+TEST(ProgramAdapter, OfARelativeNameLiesBesideTheBenchFileWhereverItRuns) {
+  auto folder = PrivateFolder::make();
+  ASSERT_TRUE(folder);
+  std::filesystem::create_directories(folder->path() / "here");
+  const auto program = folder->path() / "adapter.sh";
+  std::ofstream(program) << "#!/bin/sh\nexec /usr/bin/python3 " FORCEGATE_SOURCE_DIR "/tests/support/scripted_adapter.py board in_folder\n";
+  std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+  auto table = parse_config("command = [\"./adapter.sh\"]\nfolder = \"here\"\nserial = \"here\"\nstart_timeout_ms = 20000\n", (folder->path() / "bench.toml").string());
+  ASSERT_TRUE(table);
+  WallWorld world;
   auto board = Registry<BoardKind>::instance().find("process")->make(*table, world);
   ASSERT_TRUE(board) << board.error().to_text();
   const auto opened = (*board)->open();

@@ -164,6 +164,28 @@ TEST(NetFt, ABoxWithAnotherCalibrationIsRefused) {
   EXPECT_NE(opened.error().text.find("1234567"), std::string::npos);
 }
 
+class LostRecords : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(NetFt, LostRecords, testing::Values("drop", "reset"));
+
+// The wheel goes on while records are lost, or while the box is silent until it is asked again.
+TEST_P(LostRecords, MakeAForceThatHasChangedNoJump) {
+  TwinBench b("twin_netft.toml", {{"force_max_N = 17\n", "force_max_N = 17\njump_max_N = 0.3\n"}});
+  b.run_up();
+  BenchSession& s = *b.session;
+  b.say(std::string("fault reference ") + (std::string(GetParam()) == "drop" ? "drop 0.2 0.09 0 0" : "reset 0.2 1e9 1 0"));
+  std::vector<ReferenceReading> readings;
+  for (int i = 0; i < 60; ++i) {
+    TwinBench::ok(s.motor().command_velocity(4.0));
+    TwinBench::ok(b.advance(0.01));
+    TwinBench::ok(s.motor().read());
+    const auto polled = s.reference().poll(readings);
+    ASSERT_TRUE(polled) << polled.error().to_text();
+  }
+  EXPECT_EQ(s.reference().counts().at("unbelievable records"), 0U);
+  ASSERT_FALSE(readings.empty());
+  EXPECT_NEAR(static_cast<double>(readings.back().force_N), b.status("force_N"), 0.05);
+}
+
 TEST(NetFt, AStreamThatSomebodyElseHasTakenIsAskedForAgain) {
   TwinBench b("twin_netft.toml");
   TwinBench::ok(b.session->open());

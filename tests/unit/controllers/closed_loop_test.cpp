@@ -32,7 +32,7 @@ std::unique_ptr<Stimulus> four_sines() {
 /// ATI against set-point from `from_s` on.
 Outcome control(const std::string& name, std::uint64_t session, Level level, const Stimulus& profile,
                 double f_min_Hz, double from_s) {
-  const Specimen specimen = value_or_abort(find_specimen(SensorType::flexiforce, name));
+  const Specimen specimen = value_or_abort(find_specimen(name));
   BenchRun bench;
   bench.controller = "force_integral";
   bench.request.specimen = name;

@@ -41,6 +41,27 @@ TEST(Faults, frozen_reference_repeats_its_reading_from_the_instant_on) {
   EXPECT_NE(b.force_ref_N[3000], b.force_ref_N[4000]);
 }
 
+// A record does not depend on the one before it: whatever a fault holds is held from its own beginning on.
+TEST(Faults, that_hold_a_value_forget_it_with_their_record) {
+  const auto profile = stimulus("sine", {{"f_Hz", 0.5}, {"A_N", 1.05}, {"m_N", 2.15}, {"duration_s", 10.0}});
+  for (const auto& [fault, magnitude] : {std::pair{"sensor_stale", 0.9}, {"reference_stale", 0.9}, {"reference_frozen", 0.0}}) {
+    BenchRun before, bench;
+    bench.request.faults = {{fault, magnitude}};
+    const auto used = value_or_abort(make_rig("emulated", {})), fresh = value_or_abort(make_rig("emulated", {}));
+    before.request = bench.request;
+    before.request.record = 7;
+    before.play(*used, *profile);
+    const RigBlock after = bench.play(*used, *profile), alone = bench.play(*fresh, *profile);
+    EXPECT_EQ(after.adc, alone.adc) << fault;
+    EXPECT_EQ(after.force_ref_N, alone.force_ref_N) << fault;
+    // read as the record begins
+    ASSERT_TRUE(used->begin(bench.request));
+    const auto unused = value_or_abort(make_rig("emulated", {}));
+    ASSERT_TRUE(unused->begin(bench.request));
+    EXPECT_EQ(used->reference_zero().mean_N, unused->reference_zero().mean_N) << fault;
+  }
+}
+
 TEST(Faults, stalled_motor_stands_still_and_reports_a_drive_fault) {
   const RigBlock b = play_with({{"motor_stalled", 4.3}});
   for (std::size_t i = 4310; i < b.size(); ++i) ASSERT_EQ(b.theta_rad[i], b.theta_rad[4310]);

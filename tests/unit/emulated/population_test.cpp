@@ -25,7 +25,7 @@ double deviation(const std::vector<double>& v) {
 TEST(Population, its_first_thirty_specimens_spread_less_in_b_than_a_large_draw) {
   std::vector<double> b;
   for (int n = 1; n <= 300; ++n)
-    b.push_back(value_or_abort(find_specimen(SensorType::flexiforce, "seed:" + std::to_string(n))).b_scale);
+    b.push_back(value_or_abort(find_specimen("seed:" + std::to_string(n))).b_scale);
   EXPECT_NEAR(deviation({b.begin(), b.begin() + 30}), 0.164, 0.004);
   EXPECT_NEAR(deviation(b), 0.224, 0.002);
 }
@@ -33,7 +33,7 @@ TEST(Population, its_first_thirty_specimens_spread_less_in_b_than_a_large_draw) 
 TEST(Population, has_the_spreads_that_the_paper_states) {
   std::vector<double> b, q, gain, offset, fsr_gain, fsr_offset;
   for (int n = 1; n <= 2000; ++n) {
-    const Specimen s = value_or_abort(find_specimen(SensorType::flexiforce, "seed:" + std::to_string(n)));
+    const Specimen s = value_or_abort(find_specimen("seed:" + std::to_string(n)));
     b.push_back(s.b_scale);
     q.push_back(s.q_scale);
     const FilmParameters film = draw_session(SensorType::flexiforce, s, 1, 0);
@@ -57,7 +57,7 @@ TEST(Population, panel_holds_nine_different_specimens_centred_on_the_nominal_one
   std::set<double> rates;
   double b = 0, q = 0, product = 0;
   for (const std::string& name : panel_names()) {
-    const Specimen s = value_or_abort(find_specimen(SensorType::flexiforce, name));
+    const Specimen s = value_or_abort(find_specimen(name));
     rates.insert(s.b_scale);
     b += s.b_scale / 9.0;
     q += s.q_scale / 9.0;
@@ -70,7 +70,7 @@ TEST(Population, panel_holds_nine_different_specimens_centred_on_the_nominal_one
 }
 
 TEST(Population, gain_and_offset_stay_within_a_session_and_change_between_sessions) {
-  const Specimen s = value_or_abort(find_specimen(SensorType::flexiforce, "q25"));
+  const Specimen s = value_or_abort(find_specimen("q25"));
   const auto first = draw_session(SensorType::flexiforce, s, 4, 1),
              again = draw_session(SensorType::flexiforce, s, 4, 1);
   const auto other = draw_session(SensorType::flexiforce, s, 4, 2);
@@ -88,7 +88,7 @@ TEST(Population, normal_quantile_is_that_of_tables) {
 
 TEST(Population, names_outside_of_it_are_refused) {
   for (const char* name : {"q00", "seed:", "seed:x", "seed:-1", "q100", "banana", "q5"})
-    EXPECT_FALSE(find_specimen(SensorType::flexiforce, name).has_value()) << name;
+    EXPECT_FALSE(find_specimen(name).has_value()) << name;
 }
 
 TEST(Fsr, loses_16_percent_on_average_nearly_linearly_and_some_specimens_rise) {

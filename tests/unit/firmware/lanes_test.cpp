@@ -1,3 +1,6 @@
+#include <signal.h>
+#include <sys/wait.h>
+
 #include <fstream>
 
 #include "adapters/transport/child_process.h"
@@ -140,6 +143,25 @@ TEST_F(Lanes, ADeadOrSilentEmulatorIsAFirmwareError) {
   ASSERT_FALSE(late);
   EXPECT_EQ(late.error().code, ErrorCode::firmware);
   EXPECT_NE(late.error().text.find("no answer"), std::string::npos);
+}
+
+TEST_F(Lanes, AnImageThatGivesNoAccountAtItsEndLeavesNoEmulatorRunning) {
+  const PrivateFolder folder = PrivateFolder::make().value();
+  const std::filesystem::path qemu = folder.path() / "qemu";
+  std::ofstream(qemu) << "#!/bin/sh\necho $$ > " << (folder.path() / "pid").string() << "\nexec " << find_program("qemu-system-arm")->string() << " \"$@\"\n";
+  std::filesystem::permissions(qemu, std::filesystem::perms::owner_all);
+  const auto dut = make_dut("tick", {{"qemu", qemu.string()}, {"timeout_s", "3"}});
+  ASSERT_TRUE(dut);
+  const auto opened = (*dut)->open(session_of(image("reference-m4f.block.elf"), calibration_));
+  ASSERT_TRUE(opened) << opened.error().to_text();
+  pid_t pid = 0;
+  std::ifstream(folder.path() / "pid") >> pid;
+  ASSERT_GT(pid, 1);
+  kill(pid, SIGSTOP);
+  siginfo_t stopped{};
+  ASSERT_EQ(waitid(P_PID, static_cast<id_t>(pid), &stopped, WSTOPPED), 0);  // until then a thread of it may answer
+  ASSERT_FALSE((*dut)->close());
+  EXPECT_EQ(kill(pid, 0), -1) << "the emulator is still there";
 }
 
 TEST_F(Lanes, AFileThatIsCutShortIsNeverWhatWasBuilt) {

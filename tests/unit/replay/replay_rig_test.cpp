@@ -183,5 +183,15 @@ TEST_F(ReplayRig, AnOutputBelowZeroIsNotReadAsCodeZero) {
   EXPECT_THAT(rig.error().hint, HasSubstr("where the output falls while the force rises its sign is reversed"));
 }
 
+TEST_F(ReplayRig, RefusesATimeThatWouldFillTheMemoryByItsRow) {
+  std::string text = "t_s,F_ref_N,U_V\n";
+  for (int i = 0; i < 200; ++i) text += std::to_string(i < 150 ? 0.001 * i : 2e6 + 0.001 * i) + ",1,5\n";
+  const auto rig = make({{"record", put("gap.csv", text)}});
+  ASSERT_FALSE(rig);
+  EXPECT_EQ(rig.error().code, ErrorCode::config);
+  EXPECT_THAT(rig.error().text, HasSubstr("before sample 151 (t_s = 2000000.15)"));
+  EXPECT_FALSE(rig.error().hint.empty());
+}
+
 }  // namespace
 }  // namespace forcegate

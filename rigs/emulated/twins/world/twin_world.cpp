@@ -30,6 +30,9 @@ namespace forcegate::emulated {
 namespace {
 
 constexpr double kByteWait_s = 20.0;
+constexpr double kFarewell_s = 1.0;
+
+std::atomic<bool> told_to_end{false};  // in the process of the twins
 
 class TwinWorld;
 
@@ -90,10 +93,16 @@ class TwinWorld final : public BenchWorld {
   TwinWorld(TwinOptions options, bool paced) : options_(std::move(options)), paced_(paced) {}
   ~TwinWorld() override {
     client_.reset();
-    if (child_ > 0) {
-      ::kill(child_, SIGKILL);
-      while (waitpid(child_, nullptr, 0) < 0 && errno == EINTR) {
-      }
+    if (child_ <= 0) return;
+    ::kill(child_, SIGTERM);  // so that they leave nothing behind
+    const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(kFarewell_s);
+    while (std::chrono::steady_clock::now() < end) {
+      const pid_t gone = waitpid(child_, nullptr, WNOHANG);
+      if (gone == child_ || (gone < 0 && errno != EINTR)) return;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    ::kill(child_, SIGKILL);
+    while (waitpid(child_, nullptr, 0) < 0 && errno == EINTR) {
     }
   }
 
@@ -110,17 +119,18 @@ class TwinWorld final : public BenchWorld {
     FORCEGATE_TRY(PrivateFolder made, PrivateFolder::make());
     own_folder_.emplace(std::move(made));
     int ends[2];
-    if (pipe2(ends, O_CLOEXEC) != 0) return fail(ErrorCode::io, "no pipe: " + system_text(errno));
+    if (pipe2(ends, O_CLOEXEC) != 0) return fail(ErrorCode::io, "no pipe: " + system_text(errno), "[twins]", "too many files are open: see ulimit -n");
     Descriptor in(ends[0]), out(ends[1]);
     const pid_t parent = getpid();
     child_ = fork();
-    if (child_ < 0) return fail(ErrorCode::io, "cannot start the twins: " + system_text(errno));
+    if (child_ < 0) return fail(ErrorCode::io, "cannot start the twins: " + system_text(errno), "[twins]", "too many processes run or memory is short: see ulimit -u and free");
     if (child_ == 0) {
       prctl(PR_SET_PDEATHSIG, SIGKILL);
       if (getppid() != parent) _exit(0);
       setpgid(0, 0);
-      for (const int s : {SIGINT, SIGTERM}) ::signal(s, SIG_DFL);
-      in.reset();
+      ::signal(SIGINT, SIG_DFL);
+      ::signal(SIGTERM, [](int) { told_to_end.store(true); });
+      close_inherited(out.get());
       serve(out.get());
     }
     out.reset();
@@ -130,9 +140,11 @@ class TwinWorld final : public BenchWorld {
       if (n < 0 && errno != EINTR) break;
       if (n > 0) told.append(bytes, static_cast<std::size_t>(n));
     }
-    if (told != "ready")
-      return fail(ErrorCode::config, told.empty() ? "the twins did not start" : printable_utf8(told),
-                  "[twins]");
+    if (told != "ready") {
+      const std::size_t end = std::min(told.find('\n'), told.size());
+      return fail(ErrorCode::config, told.empty() ? "the twins did not start" : printable_utf8(told.substr(0, end)), "[twins]",
+                  printable_utf8(std::string_view(told).substr(std::min(end + 1, told.size()))));
+    }
     return attach(own_folder_->path(), 10.0);
   }
 
@@ -242,12 +254,11 @@ class TwinWorld final : public BenchWorld {
   }
   [[noreturn]] void serve(int out) {
     auto host = TwinHost::make(options_, own_folder_->path());
-    const std::string text = host ? "ready" : host.error().text;
+    const std::string text = host ? "ready" : host.error().text + "\n" + host.error().hint;
     if (::write(out, text.data(), text.size()) < 0) _exit(1);
     ::close(out);
     if (!host) _exit(1);
-    const std::atomic<bool> never{false};
-    (*host)->serve(never, true);
+    (*host)->serve(told_to_end, true);
     host->reset();
     _exit(0);
   }
