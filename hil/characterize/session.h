@@ -28,6 +28,7 @@ struct Curve {
   std::string name;                      ///< "fig6"
   std::vector<std::string> columns;      ///< "t_s", "setpoint_N", "ati_N", "sensor_V", "estimate_N"
   std::vector<std::vector<float>> data;  ///< one a column
+  double zero_s = 0.0;                   ///< t_s from which a picture counts
   const std::vector<float>* find(std::string_view column) const;
 };
 

@@ -70,6 +70,13 @@ int exit_code_of(ErrorCode code) {
   return kExitInternal;
 }
 
+std::string Invocation::command_line_without(std::string_view option) const {
+  std::string line = "forcegate";
+  for (const LineWord& word : words_)
+    if (option.empty() || word.option != option) line += " " + word.quoted;
+  return line;
+}
+
 const std::string* Invocation::fallback_of(std::string_view name) const {
   for (const Option& o : command_->options)
     if (o.name == name) return &o.fallback;

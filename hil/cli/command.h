@@ -105,6 +105,12 @@ struct Command {
   std::function<Result<int>(const Invocation&)> run{};
 };
 
+/// One argument as it was written.
+struct LineWord {
+  std::string quoted;  ///< for a POSIX shell
+  std::string option;  ///< whose it is, name or value; "": of none in the verb's table
+};
+
 /// One parsed command line. Options and positionals are asked by their names in the table; asking for a name that is
 /// not in the row is an assert.
 class Invocation {
@@ -129,7 +135,9 @@ class Invocation {
   Result<std::uint64_t> seed(std::string_view name) const;
 
   /// "forcegate gate x.elf --seed 7" quoted for a POSIX shell: the line that repeats this run.
-  std::string command_line() const { return command_line_; }
+  std::string command_line() const { return command_line_without(""); }
+  /// The same line without an option of the table, however it was written.
+  std::string command_line_without(std::string_view option) const;
 
   /// From this call on the first Ctrl-C sets the flag instead of ending the program (the second ends it). The verb
   /// then stops, parks the rig and returns ErrorCode::cancelled.
@@ -137,14 +145,14 @@ class Invocation {
 
   /// For the parser and for tests of verbs.
   void set(const std::string& name, std::string value) { values_[name].push_back(std::move(value)); }
-  void set_command_line(std::string line) { command_line_ = std::move(line); }
+  void set_command_line(std::vector<LineWord> words) { words_ = std::move(words); }
 
  private:
   const std::string* fallback_of(std::string_view name) const;
   const Command* command_;
   Console* console_;
   std::map<std::string, std::vector<std::string>, std::less<>> values_;
-  std::string command_line_;
+  std::vector<LineWord> words_;
 };
 
 }  // namespace forcegate

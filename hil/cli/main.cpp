@@ -47,7 +47,7 @@ int run(const ParsedLine& line, Console& console, const std::vector<Command>& ta
   if (!line.command->hidden) tell_of_interrupt(console.json());
   Invocation invocation(*line.command, console);
   for (const auto& [name, value] : line.values) invocation.set(name, value);
-  invocation.set_command_line(line.command_line);
+  invocation.set_command_line(line.words);
   const Result<int> code = line.command->run(invocation);
   console.end_progress();
   if (code) return *code;

@@ -48,8 +48,7 @@ class Reader {
       : arguments_(arguments), table_(table) {}
 
   ParsedLine read() {
-    line_.command_line = "forcegate";
-    for (const std::string& argument : arguments_) line_.command_line += " " + shell_quoted(argument);
+    for (const std::string& argument : arguments_) line_.words.push_back({shell_quoted(argument), {}});
     read_globals_first();
     for (std::size_t i = 0; i < arguments_.size() && !line_.error; ++i) {
       const std::string& argument = arguments_[i];
@@ -144,6 +143,7 @@ class Reader {
   }
 
   void take_option(std::size_t& i) {
+    const std::size_t first = i;
     const std::string& argument = arguments_[i];
     const bool is_long = argument.starts_with("--");
     const std::size_t equals = is_long ? argument.find('=') : std::string::npos;
@@ -179,6 +179,7 @@ class Reader {
     }
     if (!option->value_name.empty())
       line_.error = check_choice(value, "--" + option->name, option->choices, option->only_choices, where());
+    for (std::size_t k = first; own && k <= i; ++k) line_.words[k].option = option->name;
     if (own)
       take_own(*option, value);
     else

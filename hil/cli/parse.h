@@ -21,7 +21,7 @@ struct ParsedLine {
   bool help = false;
   bool version = false;
   std::vector<std::pair<std::string, std::string>> values;  ///< name in the table, value ("" of a flag)
-  std::string command_line;                                 ///< quoted for a POSIX shell
+  std::vector<LineWord> words;                              ///< in the order in which they were given
   std::optional<Error> error;
 };
 

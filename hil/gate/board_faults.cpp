@@ -10,6 +10,7 @@ namespace forcegate {
 namespace {
 
 constexpr std::size_t kFrame = 10;  // samples
+constexpr double kNever = std::numeric_limits<double>::infinity();
 
 const BoardFaultKind* find(const std::string& name) {
   for (const BoardFaultKind& kind : board_fault_kinds())
@@ -77,7 +78,6 @@ class FaultyBoard final : public Dut {
   }
 
  private:
-  static constexpr double kNever = std::numeric_limits<double>::infinity();
   double magnitude(const char* name, double none) const {
     const auto at = faults_.find(name);
     return at == faults_.end() ? none : at->second;
@@ -101,12 +101,12 @@ class FaultyBoard final : public Dut {
 
 const std::vector<BoardFaultKind>& board_fault_kinds() {
   static const std::vector<BoardFaultKind> kinds{
-      {"board_dead", "instant from which the board is silent, s", 0, 1e9},
-      {"board_reset", "instant at which the board restarts, s", 0, 1e9},
-      {"board_stale", "share of answers that repeat the one before", 0, 1},
-      {"link_corrupt", "share of answers that arrive damaged", 0, 1},
-      {"link_late", "delay of the answers, s", 0, 10},
-      {"link_loss", "share of answers that never arrive", 0, 1},
+      {"board_dead", "instant from which the board is silent, s", 0, 1e9, kNever},
+      {"board_reset", "instant at which the board restarts, s", 0, 1e9, kNever},
+      {"board_stale", "share of answers that repeat the one before", 0, 1, 0},
+      {"link_corrupt", "share of answers that arrive damaged", 0, 1, 0},
+      {"link_late", "delay of the answers, s", 0, 10, 0},
+      {"link_loss", "share of answers that never arrive", 0, 1, 0},
   };
   return kinds;
 }
@@ -121,10 +121,14 @@ std::map<std::string, double> rig_faults(const std::map<std::string, double>& fa
 Result<void> check_board_faults(const std::map<std::string, double>& faults) {
   for (const auto& [name, magnitude] : faults) {
     const BoardFaultKind* kind = find(name);
-    if (kind != nullptr && !(magnitude >= kind->minimum && magnitude <= kind->maximum))
+    if (kind == nullptr) continue;
+    if (!(magnitude >= kind->minimum && magnitude <= kind->maximum))
       return fail(
           ErrorCode::config, "fault " + name + " = " + shortest(magnitude) + " is out of range", {},
           "it is the " + kind->doc + ", from " + shortest(kind->minimum) + " to " + shortest(kind->maximum));
+    if (magnitude == kind->none)
+      return fail(ErrorCode::config, "fault " + name + " = " + shortest(magnitude) + " changes nothing: the board would be sound", {},
+                  "it is the " + kind->doc + "; give another magnitude, or leave the fault out");
   }
   return {};
 }

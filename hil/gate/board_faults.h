@@ -15,6 +15,7 @@ struct BoardFaultKind {
   std::string name;
   std::string doc;  ///< what the magnitude means
   double minimum, maximum;
+  double none;  ///< the magnitude that changes nothing
 };
 
 /// board_dead, board_reset, board_stale, link_corrupt, link_late, link_loss.
@@ -23,7 +24,7 @@ const std::vector<BoardFaultKind>& board_fault_kinds();
 /// The faults of a request that are the rig's own.
 std::map<std::string, double> rig_faults(const std::map<std::string, double>& faults);
 
-/// Error (config) when a board fault has a magnitude out of range.
+/// Error (config) when a board fault has a magnitude out of range or that changes nothing.
 Result<void> check_board_faults(const std::map<std::string, double>& faults);
 
 /// `dut` itself when none of the faults is the board's.

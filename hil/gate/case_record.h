@@ -41,7 +41,7 @@ struct CaseJob {
   PlanCalibration calibrate;  ///< for Kind::calibration
   SafetyLimits safety;
   std::map<std::string, double> faults;
-  std::string keep_path;  ///< samples are written there; "" = not kept
+  std::string keep_path;  ///< samples are written there (in a bundle: relative to the run); "" = not kept
   bool curves = true;     ///< overview and window are collected
 };
 

@@ -213,8 +213,8 @@ Result<RecordInput> make_rows(const Record& record, std::span<const std::uint8_t
     if (follows_hole(out, r, 4.0 * out.row_step_s)) out.ok[r] = 0;
 
   const RowMeans mean{out};
-  const auto rows_of = [&](const std::vector<double>& samples) -> std::vector<double> {
-    std::vector<double> rows = mean(samples);
+  const auto rows_of = [&](const std::vector<double>& values) -> std::vector<double> {
+    std::vector<double> rows = mean(values);
     if (std::none_of(rows.begin(), rows.end(), [](double v) { return std::isfinite(v); })) return {};
     hold(rows, first_finite(rows));
     return rows;
@@ -225,9 +225,9 @@ Result<RecordInput> make_rows(const Record& record, std::span<const std::uint8_t
   };
   if (const Channel* theta = trace.find("theta")) {
     const Channel whole = unwrapped(*theta);
-    const std::vector<double>& samples = on_clock(trace, whole, clock, room);
-    out.theta_rad = rows_of(samples);
-    if (angle && !out.theta_rad.empty()) set_angle(samples, t, out);
+    const std::vector<double>& angles = on_clock(trace, whole, clock, room);
+    out.theta_rad = rows_of(angles);
+    if (angle && !out.theta_rad.empty()) set_angle(angles, t, out);
   }
   out.temp_C = channel("temp");
   out.humidity = channel("humidity");

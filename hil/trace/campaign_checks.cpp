@@ -15,7 +15,7 @@
 namespace forcegate {
 namespace {
 
-constexpr double kRounding_s = 60.0, kShare = 0.1;  // times are written down to the minute; of the shorter record, of the gap
+constexpr double kRounding_s = 60.0, kShareOfTime = 0.1;  // times are written down to the minute; of the shorter record, of the gap
 
 // NaN included, which stands for the same missing sample in both.
 bool same_values(const Channel* a, const Channel* b) {
@@ -135,7 +135,7 @@ void drop_overlapping_starts(Campaign& campaign) {
   for (std::size_t k = 1; k < spans.size(); ++k) {
     const Span &first = spans[k - 1], &second = spans[k];
     const double shorter_s = std::min(first.end_s - first.begin_s, second.end_s - second.begin_s);
-    if (first.end_s - second.begin_s <= std::max(kRounding_s, kShare * shorter_s) && !(first.begin_s == second.begin_s && shorter_s > 0.0)) continue;
+    if (first.end_s - second.begin_s <= std::max(kRounding_s, kShareOfTime * shorter_s) && !(first.begin_s == second.begin_s && shorter_s > 0.0)) continue;
     campaign.notes.push_back("start_s of " + second.record->name + " (" + shortest(second.begin_s) + ") lies before the end of " + first.record->name + " (" +
                              plain_number(first.end_s) + "), and one sensor cannot be in two records: the start times are not used");
     for (Record& record : campaign.records) record.start_s.reset();
@@ -155,7 +155,7 @@ void note_rests_beyond_starts(Campaign& campaign) {
   std::vector<std::string> others;
   for (const Record* record : order) {
     const double gap_s = *record->start_s - end_s;
-    if (former != nullptr && record->rest_before_s && *record->rest_before_s > gap_s + std::max(kRounding_s, kShare * gap_s)) {
+    if (former != nullptr && record->rest_before_s && *record->rest_before_s > gap_s + std::max(kRounding_s, kShareOfTime * gap_s)) {
       if (first.empty())
         first = "rest_before_s of " + record->name + " (" + shortest(*record->rest_before_s) + " s) is longer than the " + plain_number(std::max(0.0, gap_s)) + " s from the end of " + former->name +
                 " to its start_s";

@@ -28,6 +28,13 @@ hid_t file_type(SampleType type) {
   return H5T_IEEE_F64LE;
 }
 
+/// Of an object that keeps no time of its own: the same samples are the same bytes.
+Hdf5Handle timeless(hid_t what) {
+  Hdf5Handle properties(H5Pcreate(what), H5Pclose);
+  H5Pset_obj_track_times(properties, 0);
+  return properties;
+}
+
 bool put_text(hid_t object, const std::string& name, const std::string& text) {
   Hdf5Handle type(H5Tcopy(H5T_C_S1), H5Tclose), space(H5Screate(H5S_SCALAR), H5Sclose);
   H5Tset_size(type, std::max<std::size_t>(1, text.size()));
@@ -36,7 +43,7 @@ bool put_text(hid_t object, const std::string& name, const std::string& text) {
     Hdf5Handle attribute(H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
     return attribute.good() && H5Awrite(attribute, type, text.empty() ? "\0" : text.data()) >= 0;
   }
-  Hdf5Handle data(H5Dcreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+  Hdf5Handle data(H5Dcreate2(object, name.c_str(), type, space, H5P_DEFAULT, timeless(H5P_DATASET_CREATE), H5P_DEFAULT),
                   H5Dclose);
   return data.good() && H5Dwrite(data, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()) >= 0;
 }
@@ -95,7 +102,7 @@ struct Column {
     type = kind;
     const hsize_t none = 0, unlimited = H5S_UNLIMITED, chunk = kChunkSamples;
     Hdf5Handle space(H5Screate_simple(1, &none, &unlimited), H5Sclose);
-    Hdf5Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+    const Hdf5Handle properties = timeless(H5P_DATASET_CREATE);
     H5Pset_chunk(properties, 1, &chunk);
     H5Pset_shuffle(properties);
     H5Pset_deflate(properties, 1);
@@ -169,11 +176,11 @@ struct Hdf5Writer::Impl {
   }
 
   bool create_all() {
-    file = Hdf5Handle(H5Fcreate(temporary.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
+    file = Hdf5Handle(H5Fcreate(temporary.c_str(), H5F_ACC_TRUNC, timeless(H5P_FILE_CREATE), H5P_DEFAULT), H5Fclose);
     if (!file.good() || !put_int(file, "format", kTraceFormat) || !put_text(file, "kind", "forcegate trace"))
       return false;
     const auto group = [&](const char* name) {
-      return Hdf5Handle(H5Gcreate2(file, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+      return Hdf5Handle(H5Gcreate2(file, name, H5P_DEFAULT, timeless(H5P_GROUP_CREATE), H5P_DEFAULT), H5Gclose);
     };
     time_group = group("time");
     channel_group = group("channels");
@@ -216,7 +223,7 @@ struct Hdf5Writer::Impl {
     for (Column& c : columns)
       if (!c.flush()) return false;
     if (!put_text(file, "name", name)) return false;
-    Hdf5Handle meta(H5Gcreate2(file, "meta", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+    Hdf5Handle meta(H5Gcreate2(file, "meta", H5P_DEFAULT, timeless(H5P_GROUP_CREATE), H5P_DEFAULT), H5Gclose);
     for (const auto& [key, value] : provenance)
       if (!put_text(meta, link_name(key), value)) return false;
     meta.reset();

@@ -4,6 +4,12 @@
 
 namespace forcegate::emulated {
 
+namespace {
+
+constexpr const char* kTransient = "transient";  // says how long the others last
+
+}  // namespace
+
 bool Faults::touches_rows() const {
   return reference_frozen_s < kNever_s || reference_late_s > 0.0 || reference_stale > 0.0 ||
          sensor_unplugged_s < kNever_s || sensor_late_s > 0.0 || sensor_stale > 0.0 || adc_stuck_bit >= 0 ||
@@ -58,7 +64,7 @@ const std::vector<FaultKind>& fault_kinds() {
        [](Faults& f, double m) { f.spring_slipped_mm = m; }},
       {"spring_stiffness", "factor on the stiffness of the spring", 0.1, 10,
        [](Faults& f, double m) { f.spring_stiffness = m; }},
-      {"transient", "number of attempts at a record that have the faults; later ones are sound", 1, 10,
+      {kTransient, "number of attempts at a record that have the faults; later ones are sound", 1, 10,
        [](Faults&, double) {}},  // who plays a record again leaves them out
       {"truncated", "instant at which the record ends, s", 0, 1e9,
        [](Faults& f, double m) { f.truncated_s = m; }},
@@ -90,6 +96,11 @@ Result<Faults> parse_faults(const std::map<std::string, double>& by_name) {
       return fail(
           ErrorCode::config, "fault " + name + " = " + shortest(magnitude) + " is out of range", "rig emulated",
           "it is the " + kind->doc + ", from " + shortest(kind->minimum) + " to " + shortest(kind->maximum));
+    Faults alone;
+    kind->set(alone, magnitude);
+    if (alone == Faults{} && name != kTransient)
+      return fail(ErrorCode::config, "fault " + name + " = " + shortest(magnitude) + " changes nothing: the rig would be sound", "rig emulated",
+                  "it is the " + kind->doc + "; give another magnitude, or leave the fault out");
     kind->set(faults, magnitude);
   }
   return faults;

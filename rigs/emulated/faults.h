@@ -47,6 +47,7 @@ struct Faults {
   double clock_jump_s = 0.0;      ///< in mid-run
   double truncated_s = kNever_s;  ///< the record ends here
 
+  bool operator==(const Faults&) const = default;
   /// Something has to be done to finished rows.
   bool touches_rows() const;
 };
@@ -60,7 +61,8 @@ struct FaultKind {
 
 const std::vector<FaultKind>& fault_kinds();
 
-/// Error (config) for an unknown name, with a suggestion, or a magnitude out of range.
+/// Error (config) for an unknown name, with a suggestion, or a magnitude out of range or that
+/// changes nothing.
 Result<Faults> parse_faults(const std::map<std::string, double>& by_name);
 
 }  // namespace forcegate::emulated

@@ -197,6 +197,26 @@ TEST_F(Bench, ArmingARigWhereNothingMovesIsAnErrorOfTheCommandLine) {
   EXPECT_THAT(r.err, HasSubstr("--rig BENCH.toml --arm"));
 }
 
+TEST_F(Bench, WhatAnActionDoesNotTakeIsRefusedAndNotIgnored) {
+  const std::string twin = "rigs/twin.toml";
+  const std::vector<std::pair<std::vector<std::string>, std::string>> told = {
+      {{"bench", "calibrate", twin, "reference", "--yes", "-o", folder / "z.toml"}, "--output means nothing to bench calibrate reference"},
+      {{"bench", "calibrate", twin, "sensor", "--masses", "0,100"}, "--masses means nothing to bench calibrate sensor"},
+      {{"bench", "calibrate", twin, "spring", "--yes"}, "--yes means nothing to bench calibrate spring"},
+      {{"bench", "doctor", twin, "rigs/twin_rtu.toml"}, "bench doctor takes one bench file"},
+      {{"bench", "scan", twin}, "bench scan takes no file"},
+      {{"bench", "list", twin, "--angle", "3", "--arm"}, "means nothing to bench list"},
+      {{"characterize", "--plan", "capacitance", "--sensor", "fsr", "-o", folder / "out"}, "those of its packs"},
+  };
+  for (const auto& [words, what] : told) {
+    const ProcessResult r = forcegate(words, kHere);
+    EXPECT_EQ(r.exit_code, 2) << what << r.out;
+    EXPECT_THAT(r.err, HasSubstr(what));
+    EXPECT_THAT(r.err, HasSubstr("\n  help: ")) << what;
+  }
+  EXPECT_EQ(forcegate({"bench", "list", twin, "rigs/twin_rtu.toml"}, kHere).exit_code, 0);
+}
+
 TEST_F(Bench, ABenchFileWithAMistakeIsNamedByItsLine) {
   std::string text = read_text(FORCEGATE_SOURCE_DIR "/rigs/twin.toml");
   text.replace(text.find("ati_serial\""), 11, "ati_cereal\"");

@@ -53,6 +53,40 @@ TEST(Characterize, RejectsWhenALimitIsBrokenAndNamesTheWorstSpecimen) {
   EXPECT_THAT(r.out, HasSubstr("4 of 4 sessions outside"));
 }
 
+// At 100 Hz the codes of a fast FlexiForce jump from one sample to the next, which the rig's checks take for a bad contact.
+TEST(Characterize, ARigThatFailsInSomeSessionsIsNoSuccessAndNoReject) {
+  const TemporaryFolder temporary;
+  const fs::path& folder = temporary.path();
+  std::string plan = plan_with("250.0");
+  plan.replace(plan.find("fsr = ["), 7, "flexiforce = [\"static_calibration\", \"harmonic_series\"]\nfsr = [");
+  plan.insert(plan.find("[[limit]]"), "[harmonic]\nf_Hz = [1]\nA_N = [2.2]\nm_N = [2.95]\n[profiles]\nrecord_s = 60\n");
+  for (const std::string& text : {plan, plan.substr(0, plan.find("[[limit]]"))}) {
+    write_text(folder / "plan.toml", text);
+    const ProcessResult r = forcegate({"characterize", "--plan", (folder / "plan.toml").string(), "--rig-option", "rate_Hz=100", "-o", (folder / "out").string()});
+    EXPECT_EQ(r.exit_code, 4) << r.out << r.err;
+    EXPECT_THAT(r.out, HasSubstr("q25 session 0 failed: "));
+    EXPECT_THAT(r.out, HasSubstr("the exemplar q50 failed: "));
+    EXPECT_THAT(r.out, ::testing::Not(HasSubstr("every figure that has a window lies in it")));
+    EXPECT_TRUE(fs::exists(folder / "out" / "sheet-fsr.html"));
+  }
+}
+
+// Same study, other word for the threads.
+TEST(Characterize, PagesDoNotDependOnHowTheThreadsAreWritten) {
+  const TemporaryFolder temporary;
+  const fs::path& folder = temporary.path();
+  write_text(folder / "plan.toml", plan_with("250.0"));
+  std::string before;
+  for (const std::vector<std::string>& threads : {std::vector<std::string>{}, {"--threads", "2"}, {"--threads=1"}}) {
+    std::vector<std::string> words{"characterize", "--plan", (folder / "plan.toml").string(), "-o", (folder / "out").string()};
+    words.insert(words.end(), threads.begin(), threads.end());
+    EXPECT_EQ(forcegate(words).exit_code, 0);
+    const std::string page = read_text(folder / "out/sheet-fsr.html");
+    if (!before.empty()) EXPECT_TRUE(page == before) << threads.back();
+    before = page;
+  }
+}
+
 TEST(Characterize, ASpecimenThatIsNotThereIsToldBeforeAnythingIsPlayed) {
   const TemporaryFolder temporary;
   const fs::path& folder = temporary.path();

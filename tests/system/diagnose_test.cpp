@@ -37,7 +37,7 @@ TEST_P(DiagnoseSaysWhatIsNext, WithAndWithoutAPage) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Answers, DiagnoseSaysWhatIsNext, ::testing::Values("none", "hysteresis", "foreign_telegraph"),
-                         [](const auto& info) { return std::string(info.param); });
+                         [](const auto& one) { return std::string(one.param); });
 
 TEST(Diagnose, ANoneNamesWhatIsSuspectedBesideItAndWhyItIsNotClaimed) {
   const TemporaryFolder folder;

@@ -15,11 +15,11 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-void write_straight(const std::string& path) {
+void write_straight(const std::string& path, double rad_per_s = 0.7) {
   Noise noise;
   std::string text = "t_s,F_ref_N,U_V\n";
   for (int i = 0; i < 3000; ++i) {
-    const double t = 0.02 * i, F = 2.0 + 1.5 * std::sin(0.7 * t);
+    const double t = 0.02 * i, F = 2.0 + 1.5 * std::sin(rad_per_s * t);
     text += std::to_string(t) + "," + std::to_string(F) + "," + std::to_string(2.0 * F + 0.2 + 0.002 * noise()) + "\n";
   }
   write_text(path, text);
@@ -128,6 +128,35 @@ TEST(Export, NoPlaceToBuildTheHeaderInIsAnErrorOnlyWhereItIsToBeReplayed) {
   const ProcessResult written = forcegate({"export", "flexiforce", "--plan", "none", "--c", "comp.h"}, nowhere);
   EXPECT_EQ(written.exit_code, 0) << written.err;
   EXPECT_THAT(written.out, HasSubstr("note: not held against the model's own inverse: there is no place to build the header in"));
+}
+
+TEST(Export, ARefusalLeavesNoModelWithoutItsHeader) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "films");
+  for (const char* file : {"films/a.csv", "films/b.csv", "films/c.csv"}) write_straight(folder / file, 0.6 + 0.1 * static_cast<double>(file[6] - 'a'));
+  const ProcessResult r = pasted("forcegate export flexiforce --plan none --fit films -o mine.toml --c comp.h --check nothing.csv", folder);
+  EXPECT_EQ(r.exit_code, 2) << r.out;
+  EXPECT_THAT(r.err, HasSubstr("nothing.csv"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "mine.toml"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "comp.h"));
+  EXPECT_EQ(pasted("forcegate export flexiforce --plan none --fit films -o mine.toml --c comp.h", folder).exit_code, 0);
+  EXPECT_TRUE(std::filesystem::exists(folder / "mine.toml"));
+}
+
+TEST(Export, ACompilerThatDoesNotStartOrGivesNoLibraryIsNoCompilerThatIsMissing) {
+  const TemporaryFolder folder;
+  write_straight(folder / "film.csv");
+  std::filesystem::create_directory(folder / "bin");
+  const auto with = [&](const std::string& path) {
+    return forcegate({"export", "flexiforce", "--plan", "none", "--check", "film.csv"}, {.folder = folder.path(), .environment = {{"PATH", path}}});
+  };
+  EXPECT_THAT(with(folder / "nowhere").err, HasSubstr("there is no C compiler"));
+  write_text(folder / "bin/cc", "#!/bin/sh\nexit 0\n");
+  EXPECT_THAT(with(folder / "bin").err, HasSubstr("the C compiler cannot be started: Permission denied"));
+  std::filesystem::permissions(folder / "bin/cc", std::filesystem::perms::owner_all);
+  const ProcessResult none = with(folder / "bin");
+  EXPECT_THAT(none.err, HasSubstr("the built header cannot be loaded: "));
+  EXPECT_THAT(none.err, HasSubstr("No such file or directory"));
 }
 
 }  // namespace

@@ -233,6 +233,9 @@ TEST_F(Gate, WrongInputIsExitTwoWithALineOfHelp) {
            {kNative, "--rig", "no_such_rig"},
            {kNative, "--lane", "blok"},
            {kNative, "--fault", "no_such_fault=1"},
+           {kNative, "--fault", "spring_slipped"},
+           {kNative, "--fault", "reference_offset=0"},
+           {kNative, "--fault", "link_loss=0"},
            {kNative, "--case", "no_such_case"},
            {kNative, "--seed", "-1"},
            {kNative, "--rig", "replay", "--record", folder / "missing.csv"}}) {
@@ -255,28 +258,6 @@ TEST_F(Gate, AnUnknownStimulusInAPlanIsNamedWithASuggestion) {
   EXPECT_THAT(r.err, HasSubstr("sin"));
   EXPECT_THAT(r.err, HasSubstr("plan.toml"));
   EXPECT_THAT(r.err, ContainsRegex("did you mean .sine"));
-}
-
-TEST_F(Gate, TwoRunsOfOneSeedDifferOnlyInTheTimeStamp) {
-  const std::vector<std::string> run = {kNative, "--seed", "11", "--quiet"};
-  const auto with = [&](const std::string& threads) {
-    auto arguments = run;
-    arguments.insert(arguments.end(), {"--threads", threads, "-o", folder / "run"});
-    const ProcessResult r = gate(arguments);
-    EXPECT_EQ(r.exit_code, 0) << r.out << r.err;
-    Json result = result_in(folder / "run");
-    EXPECT_TRUE(result.contains("started_at"));
-    result.erase("started_at");
-    return result;
-  };
-  Json one = with("1");
-  const Json again = with("1");
-  EXPECT_EQ(one.dump(), again.dump());
-  Json four = with("4");
-  // The command line names the number of threads; nothing else may.
-  one.erase("command_line");
-  four.erase("command_line");
-  EXPECT_EQ(one.dump(), four.dump());
 }
 
 // On seed 12 the first look at smoke's three specimens is marginal; the second session decides.

@@ -80,6 +80,19 @@ TEST(Mistakes, InThePageOfAnAnswerDoNotTakeTheAnswer) {
   EXPECT_THAT(r.err, HasSubstr("No space left on device"));
 }
 
+// The limit on the size of a file stands for the full disk.
+TEST(Mistakes, InThePageOfAnAnswerLeaveOneDocumentOnStdout) {
+  TemporaryFolder folder;
+  const std::string run = write_run(folder), page = folder / "page.html";
+  for (const std::string& words : {"diagnose " + run + " --html " + page, "add creep --fit " + run + " --html " + page}) {
+    const ProcessResult r = run_process({"bash", "-c", "trap '' XFSZ; ulimit -f 8; exec " FORCEGATE_BINARY_DIR "/forcegate " + words + " --json"}, kHere);
+    EXPECT_EQ(r.exit_code, 2) << words;
+    const auto document = nlohmann::json::parse(r.out, nullptr, false);
+    ASSERT_FALSE(document.is_discarded()) << words << r.out;
+    EXPECT_TRUE(document.contains("error")) << words;
+  }
+}
+
 TEST(Mistakes, InTheNameOfAnEffectSayWhereEquationsAreNamed) {
   TemporaryFolder folder;
   const std::string run = write_run(folder);

@@ -50,6 +50,11 @@ TEST_F(OwnFiles, OfModelsAndPages) {
   keeps({"add", "hysteresis", "--fit", "film.csv", "-o", "better.toml", "--html", "page.html"}, "page.html");
   keeps({"fit", "film.csv", "-o", "better.toml"}, "better.toml");
   keeps({"diagnose", "film.csv", "--html", "film.html"}, "film.html");
+  keeps({"compare", "film.csv", "--html", "film.html"}, "film.html");
+}
+
+TEST_F(OwnFiles, OfACalibration) {
+  keeps({"bench", "calibrate", FORCEGATE_SOURCE_DIR "/rigs/twin.toml", "sensor", "-o", "cal.toml"}, "cal.toml");
 }
 
 TEST_F(OwnFiles, OfAStudy) {

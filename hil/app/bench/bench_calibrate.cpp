@@ -233,7 +233,8 @@ Result<Calibrated> calibrate_sensor(const CalibrateRequest& q) {
   out.what = "sensor";
   out.u_rel = record.u_gain_rel;
   out.findings.push_back(record.calibration_text);
-  out.bench_lines = {"format = 1",
+  out.bench_lines = {"# " + printable_utf8(q.specimen) + ": forcegate gate FIRMWARE --cal THIS",
+                     "format = 1",
                      "id = \"" + c.id + "\"",
                      "level = \"static\"",
                      "gain_N_per_V = " + shortest(c.gain_N_per_V),

@@ -52,7 +52,7 @@ class Writer {
   bool overwrite_;
 };
 
-constexpr std::string_view kMarkOfStudy = "\"kind\": \"characterization\"", kMarkOfCalibration = ": forcegate gate FIRMWARE --cal THIS";
+constexpr std::string_view kMarkOfStudy = "\"kind\": \"characterization\"";
 
 // Before hours of play: what is written in any case.
 Result<void> check_output(const CharacterizeRequest& request) {
@@ -179,6 +179,15 @@ characterize::Compensation oracle_compensation(const Calibration& calibration) {
           [state] { return (state->flags & kDutLearning) != 0; }};
 }
 
+const Error* Characterization::first_failure() const {
+  for (const SensorStudy& s : studies)
+    for (const SessionSheet& sheet : s.sheets)
+      if (sheet.failure) return &*sheet.failure;
+  for (const SensorStudy& s : studies)
+    if (s.exemplar.failure) return &*s.exemplar.failure;
+  return nullptr;
+}
+
 Result<Characterization> characterize_request(const CharacterizeRequest& request,
                                               const std::function<void(double, std::string_view)>& progress,
                                               const std::atomic<bool>* cancelled) {
@@ -193,17 +202,13 @@ Result<Characterization> characterize_request(const CharacterizeRequest& request
   } else {
     FORCEGATE_CHECK_OK(study_rig(request, progress, state, out));
   }
-  const Error* first = nullptr;
   bool sound = false;
   for (const SensorStudy& s : out.studies) {
     out.rig_time_s += s.rig_time_s;
     out.samples += s.samples;
-    for (const SessionSheet& sheet : s.sheets) {
-      sound = sound || !sheet.failure;
-      if (sheet.failure && first == nullptr) first = &*sheet.failure;
-    }
+    for (const SessionSheet& sheet : s.sheets) sound = sound || !sheet.failure;
   }
-  if (!sound && first != nullptr) return Unexpected(*first);
+  if (const Error* first = out.first_failure(); !sound && first != nullptr) return Unexpected(*first);
   Writer writer(out.files, request.overwrite);
   FORCEGATE_CHECK_OK(write_output(request, out, writer));
   FORCEGATE_CHECK_OK(write_paper(request, out, writer));

@@ -38,6 +38,9 @@ struct Characterization {
   std::vector<std::filesystem::path> files;  ///< what was written, in order
   double rig_time_s = 0.0;
   std::uint64_t samples = 0;
+
+  /// Of the first session that failed, an exemplar's last; nullptr: none did.
+  const Error* first_failure() const;
 };
 
 /// Errors: those of the request (usage, also a foreign file in the output folder; config), of the machine (io), cancelled. Rig errors of single sessions are in

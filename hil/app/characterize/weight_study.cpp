@@ -24,6 +24,8 @@ Result<MadeWeightStudy> weight_study_request(const CharacterizeRequest& request,
     return fail(ErrorCode::usage,
                 "a plan of conductance and capacitance knows no specimens, sessions or golden traces", {},
                 "leave --specimen, --sessions and --golden out");
+  if (request.sensors != CharacterizeRequest{}.sensors)
+    return fail(ErrorCode::usage, "the sensors of a plan of conductance and capacitance are those of its packs", "--sensor", "leave it out");
   FORCEGATE_TRY(const std::filesystem::path path, find_plan(request.plan));
   characterize::WeightStudyRequest study;
   FORCEGATE_TRY(study.plan, characterize::read_weight_plan(path));

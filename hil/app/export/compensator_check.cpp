@@ -8,7 +8,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <deque>
 #include <fstream>
 #include <memory>
@@ -63,8 +65,8 @@ class Library {
     if (folder.empty())
       return fail(ErrorCode::io, "there is no place to build the header in", out->folder_.place.empty() ? "TMPDIR" : out->folder_.place.string(),
                   "set TMPDIR to a folder that you may write into, for instance TMPDIR=/tmp");
-    std::ofstream(folder / "compensation.h", std::ios::binary) << header;
-    std::ofstream(folder / "replay.c", std::ios::binary) << kDriver;
+    FORCEGATE_CHECK_OK(write(folder / "compensation.h", header));
+    FORCEGATE_CHECK_OK(write(folder / "replay.c", kDriver));
     const std::string source = (folder / "replay.c").string(), target = (folder / "replay.so").string(),
                       log = (folder / "log").string();
     const char* const words[] = {"cc",
@@ -88,12 +90,18 @@ class Library {
     pid_t pid = 0;
     const int started = posix_spawnp(&pid, "cc", &actions, nullptr, const_cast<char* const*>(words), environ);
     posix_spawn_file_actions_destroy(&actions);
-    if (started != 0)
+    if (started == ENOENT)
       return fail(ErrorCode::io, "there is no C compiler to build the header with", "cc",
                   "apt-get install gcc");
+    if (started != 0)
+      return fail(ErrorCode::io, std::string("the C compiler cannot be started: ") + std::strerror(started), "cc",
+                  "try cc --version; is there memory, and may " + folder.string() + " be written to?");
     int status = 0;
     while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
     }
+    if (WIFSIGNALED(status))
+      return fail(ErrorCode::io, fmt::format("signal {} ended the C compiler: {}", WTERMSIG(status), strsignal(WTERMSIG(status))), "cc",
+                  "is there memory, and room in " + folder.string() + "?");
     if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
       return fail(ErrorCode::config,
                   "the exported header does not compile: " + read_file(log).value_or("").substr(0, 600),
@@ -101,7 +109,11 @@ class Library {
     out->handle_ = dlopen(target.c_str(), RTLD_NOW | RTLD_LOCAL);
     out->replay_ =
         out->handle_ == nullptr ? nullptr : reinterpret_cast<Replay>(dlsym(out->handle_, "fg_replay"));
-    if (out->replay_ == nullptr) return fail(ErrorCode::io, "the built header cannot be loaded", target);
+    if (out->replay_ == nullptr) {
+      const char* why = dlerror();
+      return fail(ErrorCode::io, std::string("the built header cannot be loaded: ") + (why != nullptr ? why : "fg_replay is not in it"), target,
+                  "set TMPDIR to a folder on a file system that is not mounted noexec");
+    }
     return out;
   }
   ~Library() {
@@ -117,6 +129,14 @@ class Library {
   }
 
  private:
+  static Result<void> write(const fs::path& path, std::string_view text) {
+    std::ofstream file(path, std::ios::binary);
+    file << text;
+    file.close();
+    if (file) return {};
+    return fail(ErrorCode::io, "the source cannot be written to build the header", path.string(), "is the disk full? TMPDIR chooses another folder");
+  }
+
   TemporaryFolder folder_;
   void* handle_ = nullptr;
   Replay replay_ = nullptr;

@@ -103,9 +103,8 @@ Result<ExportResult> export_model(const ExportRequest& request) {
     };
     FORCEGATE_TRY(out.fit, diagnose::fit_one_law(std::move(records), model, undone, request.fit->threads));
     model = out.fit->model;
-    if (!request.fitted.empty())
-      FORCEGATE_CHECK_OK(write_file_atomically(request.fitted, write_model(model)));
   }
+  const std::string fitted = write_model(model);
   FORCEGATE_CHECK_OK(set_reference(model, request.reference_temperature_C));
   if (request.plan != "none") {
     FORCEGATE_TRY(const std::filesystem::path path, find_plan(request.plan));
@@ -147,6 +146,8 @@ Result<ExportResult> export_model(const ExportRequest& request) {
     out.check->by_model = !options.calibration.known;
     if (out.fit) out.check->far_off = replayed_far_off(*out.fit, *out.check, model.law.gain_N_per_V);
   }
+  // Together, when both stand: a model without its header would look like an answer.
+  if (out.fit && !request.fitted.empty()) FORCEGATE_CHECK_OK(write_file_atomically(request.fitted, fitted));
   if (!request.header.empty()) {
     FORCEGATE_CHECK_OK(write_file_atomically(request.header, out.compensator.header));
     out.header = request.header;

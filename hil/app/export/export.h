@@ -21,7 +21,6 @@ struct ExportRequest {
   std::filesystem::path fitted;          ///< model file to write after the refit; empty: none
   std::optional<CampaignRequest> check;  ///< campaign to replay
   double reference_temperature_C = kMissing;  ///< where a thermal effect is zero, for a model that does not say
-  std::string command_line;
 };
 
 struct ExportResult {

@@ -234,10 +234,13 @@ Result<void> write_bundle(const fs::path& folder, const BundleSource& source, co
                                      {"cancelled", material.cancelled},
                                      {"today", source.evidence.today}}));
   std::string records;
-  for (const PlayedRecord& one : material.records)
+  for (const PlayedRecord& one : material.records) {
+    CaseJob job = one.job;
+    if (!job.keep_path.empty()) job.keep_path = (fs::path("traces") / fs::path(job.keep_path).filename()).string();  // the run's folder is renamed when it is whole
     records += fmt::format("{{\"case\":{},\"specimen\":{},\"superseded\":{},\"job\":{},\"record\":{}}}\n",
-                           one.case_index, one.specimen_index, one.superseded, to_json(one.job),
+                           one.case_index, one.specimen_index, one.superseded, to_json(job),
                            to_json(one.record));
+  }
   FORCEGATE_CHECK_OK(out.add("records.jsonl", records));
   std::error_code ignored;
   for (const PlayedRecord& one : material.records)

@@ -31,12 +31,12 @@ Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const diagnose::Refit answer, add_request(request));
   // the answer first: it stands, whatever becomes of its page
   in.console().print(refit_text(answer, request.effect));
-  in.console().print_json(refit_json(answer, request.effect));
   if (!html.empty()) {
     FORCEGATE_TRY(const std::string page, added_page(request, answer, in.command_line()));
     FORCEGATE_CHECK_OK(write_file_atomically(html, page));
     in.console().note("wrote " + html);
   }
+  in.console().print_json(refit_json(answer, request.effect));  // one document: an error of the page would be a second
   const std::string model = named_model(in);
   if (!is_needed(answer) || !weak_addition(answer, request.effect).is_shown) {  // what else is it? A diagnosis that claims it would lead back here
     const Result<Diagnosis> other = diagnose_request(request.campaign);

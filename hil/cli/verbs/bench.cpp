@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
+#include "hil/cli/verbs/action_options.h"
 #include "hil/cli/verbs/bench_line.h"
 
 namespace forcegate {
@@ -180,8 +182,21 @@ Result<int> specimens(const Invocation& in) {
   return kExitSuccess;
 }
 
+// --attach also where only the next line needs it.
+const ActionOptions kActions[] = {
+    {"list", {}, std::numeric_limits<std::size_t>::max()},
+    {"doctor", {"attach", "arm"}},
+    {"scan", {}, 0},
+    {"serve", {"folder"}},
+    {"park", {"attach", "arm"}},
+    {"jog", {"attach", "arm", "angle", "speed"}},
+    {"who", {"attach"}},
+    {"specimens", {"attach"}},
+};
+
 Result<int> run(const Invocation& in) {
   const std::string action = in.text("ACTION");
+  FORCEGATE_CHECK_OK(check_action_options(in, action, kActions));
   if (action == "list") return list(in);
   if (action == "doctor") return doctor(in);
   if (action == "scan") return scan(in);

@@ -6,12 +6,15 @@
 #include <nlohmann/json.hpp>
 
 #include "hil/app/bench/bench_calibrate.h"
+#include "hil/app/files/own_file.h"
 #include "hil/app/files/write_file.h"
 #include "hil/base/text.h"
 #include "hil/base/utc_clock.h"
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
+#include "hil/cli/verbs/action_options.h"
 #include "hil/cli/verbs/bench_line.h"
+#include "hil/cli/verbs/force_row.h"
 
 namespace forcegate {
 namespace {
@@ -30,6 +33,13 @@ Result<std::vector<double>> masses_of(const std::string& text) {
   }
   return out;
 }
+
+// --specimen and --arm also where only the next line needs them.
+const ActionOptions kActions[] = {
+    {"reference", {"masses", "mass-u-rel", "gravity", "seconds", "specimen", "yes", "arm", "attach"}},
+    {"spring", {"seconds", "specimen", "arm", "attach"}},
+    {"sensor", {"specimen", "arm", "attach", "output", "force"}},
+};
 
 Result<Calibrated> calibrate(const Invocation& in) {
   CalibrateRequest q;
@@ -71,6 +81,10 @@ std::string line_after(const Invocation& in, const Calibrated& c) {
 }
 
 Result<int> run(const Invocation& in) {
+  FORCEGATE_CHECK_OK(check_action_options(in, in.text("WHAT"), kActions));
+  const std::string out = in.text("output");
+  if (!in.flag("force")) FORCEGATE_CHECK_OK(check_own_file(out, kMarkOfCalibration));
+  if (!out.empty()) FORCEGATE_CHECK_OK(check_writable(out));
   FORCEGATE_TRY(const Calibrated c, calibrate(in));
   if (c.line)
     for (const CalibrationPoint& p : c.line->points)
@@ -79,7 +93,7 @@ Result<int> run(const Invocation& in) {
   for (const std::string& finding : c.findings) in.console().print(finding);
   std::string lines;
   for (const std::string& line : c.bench_lines) lines += line + "\n";
-  const std::string file = in.text("FILE"), out = in.text("output");
+  const std::string file = in.text("FILE");
   if (c.what == "sensor" && !out.empty()) {
     FORCEGATE_CHECK_OK(write_file_atomically(out, lines));
   } else {
@@ -140,7 +154,8 @@ const Registration<Command> kRow{Command{
           .value_name = "FILE",
           .doc = "sensor: write the calibration there.",
           .letter = 'o',
-          .names = Names::file}},
+          .names = Names::file},
+         force_row()},
     .examples = {{"forcegate bench calibrate rigs/twin.toml reference --masses 0,100,200,400 --yes",
                   "The reference of the twins:"},
                  {"forcegate bench calibrate rigs/twin.toml spring", "The spring against the reference:"},

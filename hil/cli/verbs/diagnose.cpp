@@ -28,7 +28,6 @@ Result<int> run(const Invocation& in) {
   // the answer first: it stands, whatever becomes of its pictures
   console.print(diagnosis_text(answer));
   console.notes(answer.notes);
-  console.print_json(to_json(answer));
   if (!html.empty()) {
     FORCEGATE_CHECK_OK(
         write_file_atomically(html, diagnosis_html(answer, {FORCEGATE_VERSION, in.command_line(), false, pictures})));
@@ -38,6 +37,7 @@ Result<int> run(const Invocation& in) {
     FORCEGATE_TRY(const auto files, write_pictures(answer, pictures, folder));
     console.note(fmt::format("wrote {} pictures into {}", files.size(), folder));
   }
+  console.print_json(to_json(answer));  // one document: an error of the pictures would be a second
   console.next(line_after_diagnosis(in, answer,
                                     {.campaign = in.text("CAMPAIGN"), .model = named_model(in), .page = !html.empty()}));
   return kExitSuccess;

@@ -42,7 +42,6 @@ Result<int> run(const Invocation& in) {
   request.plan = in.text("plan");
   const bool without_plan = !in.given("plan") && !find_plan(request.plan);
   if (without_plan) request.plan = "none";
-  request.command_line = in.command_line();
   FORCEGATE_TRY(request.rate_Hz, in.number("rate", 1.0, 1e6));
   if (in.given("reference-temperature")) {
     FORCEGATE_TRY(request.reference_temperature_C, in.number("reference-temperature", -273.0, 1000.0));

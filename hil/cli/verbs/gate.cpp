@@ -17,20 +17,18 @@ namespace {
 std::vector<std::string> lanes() { return Registry<LaneKind>::instance().names(); }
 std::vector<std::string> levels() { return {"nominal", "static", "identified"}; }
 
-// "reference_saturated=2.0"; a bare name means magnitude 0.
+// "reference_saturated=2.0". No fault has a magnitude that goes without saying: 0 is a sound rig for most.
 Result<std::map<std::string, double>> faults_of(const std::vector<std::string>& words) {
   std::map<std::string, double> faults;
   for (const std::string& word : words) {
     const std::size_t equals = word.find('=');
     double magnitude = 0.0;
-    if (equals != std::string::npos) {
-      const char* begin = word.data() + equals + 1;
-      const char* end = word.data() + word.size();
-      const auto [stop, error] = std::from_chars(begin, end, magnitude);
-      if (error != std::errc{} || stop != end || begin == end)
-        return fail(ErrorCode::usage, "'" + printable_utf8(word) + "' is not NAME=VALUE", "--fault",
-                    "for example --fault reference_saturated=2.0");
-    }
+    const char* begin = word.data() + (equals == std::string::npos ? word.size() : equals + 1);
+    const char* end = word.data() + word.size();
+    const auto [stop, error] = std::from_chars(begin, end, magnitude);
+    if (error != std::errc{} || stop != end || begin == end)
+      return fail(ErrorCode::usage, "'" + printable_utf8(word) + "' is not NAME=VALUE", "--fault",
+                  "for example --fault reference_saturated=2.0");
     faults[word.substr(0, equals)] = magnitude;
   }
   return faults;

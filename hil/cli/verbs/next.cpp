@@ -61,12 +61,13 @@ Result<int> play(const Invocation& in) {
 }
 
 // Forces as files, for who records them by hand.
-Result<int> write(const Invocation& in, const NextExperiment& planned) {
-  FORCEGATE_TRY(const std::vector<std::filesystem::path> files, write_profiles(planned, in.text("output")));
+Result<int> write(const Invocation& in, const Diagnosis& diagnosis) {
+  FORCEGATE_TRY(const std::vector<std::filesystem::path> files, write_profiles(diagnosis.next_experiment, in.text("output")));
   std::string text;
   for (const std::filesystem::path& file : files) text += "wrote " + file.string() + "\n";
   in.console().print(text + "record each of them on your rig, then give the recordings: forcegate next " + given_words(in) +
                      " --run --record FILE -o " + shell_quoted(in.text("output")));
+  in.console().print_json(next_json(diagnosis));
   in.console().next("forcegate stimulus replay path=" + shell_quoted(files.front().string()) + " --plot " +
                     shell_quoted(std::filesystem::path(files.front()).replace_extension(".svg").string()));
   return kExitSuccess;
@@ -80,8 +81,8 @@ Result<int> run(const Invocation& in) {
   const NextExperiment& answer = diagnosis.next_experiment;
   if (answer.segments.empty()) return settled(in, diagnosis);
   in.console().print(next_text(diagnosis));
+  if (in.given("output")) return write(in, diagnosis);
   in.console().print_json(next_json(diagnosis));
-  if (in.given("output")) return write(in, answer);
   // a rig that was named, or the sensor of a mystery, can play them; the emulated rig's own sensor is not that of the records
   if (in.given("record") || (is_playable(answer) && (in.given("rig") || in.given("rig-option"))))
     in.console().next(in.command_line() + " --run");

@@ -132,7 +132,7 @@ Result<Compensator> make_compensator(const Model& model, const CompensatorOption
   CTermContext context;
   context.rate_Hz = options.rate_Hz;
   context.span_N = model.frame.span_N;
-  context.lowest_N = options.lowest_N;
+  context.lowest_N = std::isfinite(model.frame.lowest_N) ? model.frame.lowest_N : 0.0;
   context.reference_temperature_C = std::isfinite(model.frame.temperature_C) ? model.frame.temperature_C : options.reference_temperature_C;
   std::vector<CTerm> terms;
   for (const ModelEffect& e : merged(model.effects)) {

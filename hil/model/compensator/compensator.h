@@ -29,7 +29,6 @@ struct CalibrationMap {
 
 struct CompensatorOptions {
   double rate_Hz = 1000.0;
-  double lowest_N = 0.0;                      ///< least force that occurs
   double reference_temperature_C = kMissing;  ///< where a thermal effect is zero, of a model that does not say
   CalibrationMap calibration;
   std::vector<std::string> provenance;  ///< lines for the header comment

@@ -100,7 +100,7 @@ class Pictures {
     Figure f("Step responses", kWidth);
     Panel& p = f.panel(Axis{"Time", "ms"}, Axis{"Response / final value", "", -0.05, 1.15}, kWide);
     const auto draw = [&](const Curve& c, const char* name, Style style, const char* label) {
-      const std::vector<double> t = shifted(column(c, "t_s"), 2.0, 1e3), v = column(c, name);
+      const std::vector<double> t = shifted(column(c, "t_s"), c.zero_s, 1e3), v = column(c, name);
       double start = 0, end = 0;
       int n = 0, m = 0;
       for (std::size_t i = 0; i < t.size(); ++i) {
@@ -124,7 +124,7 @@ class Pictures {
       if (std::isfinite(ms)) times += fmt::format("{}{:.0f} ms ({})", times.empty() ? "" : ", ", ms, who);
     add("fig05.svg", "Fig. 5",
         "A step of the wheel from 1 to 4 N." +
-            (times.empty() ? "" : " Within 5 % of the step after " + times + "."),
+            (times.empty() ? "" : " Within 5 % of the step " + times + " after the command to the wheel."),
         std::move(f));
   }
 

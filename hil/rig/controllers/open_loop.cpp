@@ -2,7 +2,8 @@
 //   v = (theta(F_next) - theta(F_now)) / T + K (theta_d - theta_measured),
 // where theta(F) inverts the wheel's geometry and theta_d is the angle of the set-point one drive time
 // constant (8 ms) ago: that is where a wheel driven by the first term is now, so that the second one only
-// mends errors. K = 30 1/s: with the 10 ms period an error dies out without overshoot.
+// mends errors. K = 30 1/s: with the 10 ms period an error dies out without overshoot. A jump of the set-point begins one
+// period early, for the wheel is to be there when the set-point is.
 
 #include "hil/interface/controller.h"
 #include "hil/rig/controllers/wheel_geometry.h"

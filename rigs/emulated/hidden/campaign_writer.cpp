@@ -9,6 +9,7 @@
 
 #include "hil/base/read_file.h"
 #include "rigs/emulated/hidden/documentation.h"
+#include "rigs/emulated/hidden/seal.h"
 
 namespace forcegate::hidden {
 namespace {
@@ -128,6 +129,20 @@ Json description(const MadeCampaign& made) {
       {"campaign", made.truth.campaign}, {"sensor", notes.sensor}, {"bench", bench}, {"records", records}};
 }
 
+// Recordings of the mystery that is overwritten. Without its seal the campaign is somebody's own, and stays.
+void remove_recordings(const fs::path& folder) {
+  std::error_code ignored;
+  const auto text = read_file(folder / "campaign.json");
+  if (!text || !fs::exists(folder / kSealedFile, ignored)) return;
+  const Json json = Json::parse(*text, nullptr, false, true);
+  if (!json.is_object() || !json.contains("records") || !json["records"].is_array()) return;
+  for (const Json& record : json["records"]) {
+    if (!record.is_object() || !record.contains("file") || !record["file"].is_string()) continue;
+    const fs::path file = record["file"].get<std::string>();
+    if (file == file.filename() && file.extension() == ".csv") fs::remove(folder / file, ignored);
+  }
+}
+
 }  // namespace
 
 Result<void> write_campaign(const MadeCampaign& made, const fs::path& folder, bool overwrite) {
@@ -138,6 +153,7 @@ Result<void> write_campaign(const MadeCampaign& made, const fs::path& folder, bo
                 "choose another folder, or --force");
   fs::create_directory(folder, error);
   if (error) return fail(ErrorCode::io, "cannot create the folder: " + error.message(), folder.string());
+  remove_recordings(folder);
   const Json json = description(made);
   std::vector<fs::path> files;
   for (const Json& record : json["records"]) {

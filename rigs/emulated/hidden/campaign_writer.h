@@ -11,7 +11,8 @@ namespace forcegate::hidden {
 
 /// Writes campaign.json and one CSV per record into `folder` (created when missing; its parent must exist).
 /// The description comes first: records that an interrupt left out are then missed by whoever reads the folder. After an error it is gone again.
-/// Refuses a folder that holds a campaign.json already unless `overwrite`. Nothing of the truth is written.
+/// Refuses a folder that holds a campaign.json already unless `overwrite`, which takes away the recordings of a
+/// mystery that was there. Nothing of the truth is written.
 Result<void> write_campaign(const MadeCampaign& made, const std::filesystem::path& folder, bool overwrite);
 
 /// Adds the records of continue_campaign to a campaign.json; the names of the new files, in order. No file is overwritten.

@@ -53,6 +53,7 @@ ParsedLine parse(const std::vector<std::string>& arguments) { return parse_comma
 Invocation invocation(const ParsedLine& line, Console& console) {
   Invocation in(*line.command, console);
   for (const auto& [name, value] : line.values) in.set(name, value);
+  in.set_command_line(line.words);
   return in;
 }
 
@@ -129,9 +130,23 @@ TEST(Parse, NumbersAreCheckedWithRangeAndWithoutLocale) {
 }
 
 TEST(Parse, TheCommandLineOfARunCanBePastedIntoAShell) {
-  EXPECT_EQ(parse({"play", "my file", "--map", "it's=1"}).command_line,
-            "forcegate play 'my file' --map 'it'\\''s=1'");
+  Console console({});
+  const ParsedLine line = parse({"play", "my file", "--map", "it's=1"});
+  EXPECT_EQ(invocation(line, console).command_line(), "forcegate play 'my file' --map 'it'\\''s=1'");
   EXPECT_EQ(shell_quoted(""), "''");
+}
+
+TEST(Parse, AnOptionIsLeftOutOfTheCommandLineHoweverItWasWritten) {
+  Console console({});
+  for (const auto& arguments : std::vector<std::vector<std::string>>{{"play", "fugue", "--speed", "3", "--loud"},
+                                                                     {"play", "--speed=3", "fugue", "--loud"},
+                                                                     {"play", "fugue", "-s", "3", "--loud"},
+                                                                     {"play", "fugue", "--loud", "--speed", "3"}}) {
+    const ParsedLine line = parse(arguments);
+    EXPECT_EQ(invocation(line, console).command_line_without("speed"), "forcegate play fugue --loud");
+  }
+  const ParsedLine value = parse({"play", "fugue", "--map", "--speed", "--", "--speed"});
+  EXPECT_EQ(invocation(value, console).command_line_without("speed"), "forcegate play fugue --map --speed -- --speed");
 }
 
 TEST(Parse, AnyArgumentsGiveALineOrAnErrorWithHelp) {

@@ -57,5 +57,20 @@ TEST(SelfCheck, DeadZonesThatFallTogetherAreNoModelToInvert) {
   EXPECT_EQ(made.error().where, "dead_zone");
 }
 
+// A model of forces from 2 to 5 N was asked from 0 to 3.6 N.
+TEST(SelfCheck, AnOutputIsAskedAtTheForcesOfItsModel) {
+  const auto from = [](const char* lowest_N, const char* output) {
+    const auto model = parse_model(std::string("[law]\nspan_N = 3\nlowest_N = ") + lowest_N + "\ngain_N_per_V = 0.5\noffset_N = 0.06\n[[effect]]\nname = \"mine\"\noutput = \"" + output +
+                                       "\"\nparameter.k = 0.11\n",
+                                   "m.toml");
+    EXPECT_TRUE(model) << model.error().to_text();
+    return make_compensator(model.value_or(Model{}), {}).has_value();
+  };
+  EXPECT_TRUE(from("0", "-k * F * F"));
+  EXPECT_FALSE(from("2", "-k * F * F")) << "it falls above 4.5 N";
+  EXPECT_FALSE(from("0", "k / (F + 0.01)"));
+  EXPECT_TRUE(from("2", "k / (F + 0.01)")) << "it falls below 0.3 N";
+}
+
 }  // namespace
 }  // namespace forcegate

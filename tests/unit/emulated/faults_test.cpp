@@ -106,5 +106,15 @@ TEST(Faults, unknown_names_and_magnitudes_are_refused_with_a_suggestion) {
   for (const auto& kind : emulated::fault_kinds()) EXPECT_FALSE(kind.doc.empty());
 }
 
+TEST(Faults, a_magnitude_that_leaves_the_rig_sound_is_no_fault) {
+  for (const char* name : {"reference_offset", "reference_drift", "sample_loss", "spring_slipped", "clock_skew", "head_motion"}) {
+    const auto none = emulated::parse_faults({{name, 0.0}});
+    ASSERT_FALSE(none.has_value()) << name;
+    EXPECT_NE(none.error().text.find("changes nothing"), std::string::npos) << none.error().text;
+  }
+  EXPECT_FALSE(emulated::parse_faults({{"reference_gain", 1.0}}).has_value());
+  EXPECT_TRUE(emulated::parse_faults({{"motor_stalled", 0.0}, {"adc_stuck_bit", 0.0}, {"transient", 1.0}, {"wrong_calibration", 1.0}}).has_value());
+}
+
 }  // namespace
 }  // namespace forcegate::test

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -173,6 +174,28 @@ TEST(HiddenCampaign, ACampaignThatIsThereIsNotOverwrittenUnasked) {
   ASSERT_FALSE(again);
   EXPECT_EQ(again.error().code, ErrorCode::usage);
   EXPECT_TRUE(write_campaign(m, folder.path(), true));
+}
+
+TEST(HiddenCampaign, RecordingsOfAMysteryThatIsOverwrittenGoAndThoseOfAPersonStay) {
+  const Folder folder("shorter");
+  MadeCampaign m = made(7, {});
+  const auto recordings = [&] {
+    return std::count_if(fs::directory_iterator(folder.path()), {}, [](const auto& entry) { return entry.path().extension() == ".csv"; });
+  };
+  ASSERT_TRUE(write_campaign(m, folder.path(), false));
+  const auto many = recordings();
+  ASSERT_EQ(many, static_cast<std::ptrdiff_t>(m.records.size()));
+  m.records.resize(2);
+  ASSERT_TRUE(write_campaign(m, folder.path(), true));
+  EXPECT_EQ(recordings(), many) << "without a seal the campaign is somebody's";
+  m = made(7, {});
+  ASSERT_TRUE(write_campaign(m, folder.path(), true));
+  ASSERT_TRUE(write_sealed(seal("{}", "00"), folder.path()));
+  std::ofstream(folder.path() / "mine.csv") << "t_s,F_ref_N,U_V\n";
+  m.records.resize(2);
+  ASSERT_TRUE(write_campaign(m, folder.path(), true));
+  EXPECT_EQ(recordings(), 3);
+  EXPECT_TRUE(fs::exists(folder.path() / "mine.csv"));
 }
 
 TEST(Sheet, TruthSurvivesSealingAndOpening) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <thread>
 
 #include "hil/base/rng.h"
 #include "hil/trace/convert.h"
@@ -20,6 +21,23 @@ using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 
 using Storage = FolderTest;
+
+std::string bytes_of(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+TEST_F(Storage, AnHdf5FileHoldsNoTimeOfItsWriting) {
+  Trace trace;
+  trace.time_bases.emplace_back();
+  trace.time_bases[0].t_s = {0.0, 1.0};
+  trace.channels = {{"U", "V", "voltage", 0, {1.0, 2.0}, {}}};
+  trace.provenance = {{"firmware", std::string(40000, 'f')}};
+  ASSERT_TRUE(write_hdf5(trace, folder_ / "a.h5"));
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+  ASSERT_TRUE(write_hdf5(trace, folder_ / "b.h5"));
+  EXPECT_EQ(bytes_of(folder_ / "a.h5"), bytes_of(folder_ / "b.h5"));
+}
 
 TEST_F(Storage, TheColumnsOfAnHdf5FileCanBeMappedAsThoseOfText) {
   Trace trace;
