@@ -92,6 +92,8 @@ Result<std::unique_ptr<Stimulus>> make_stimulus(StimulusSpec spec) {
                   "stimulus '" + spec.name + "': " + p.name + " = " + shortest(v) + " is out of range", {},
                   "give a value from " + shortest(p.minimum) + " to " + shortest(p.maximum) + " " + p.unit);
     };
+    if (!p.is_text && spec.texts.contains(p.name))
+      return fail(ErrorCode::usage, "stimulus '" + spec.name + "': " + p.name + " is text, and must be a number", {}, "write it without quotes");
     const auto missing = [&] {
       return fail(ErrorCode::usage, "stimulus '" + spec.name + "' needs " + p.name, {}, p.doc);
     };

@@ -1,8 +1,10 @@
 #include "hil/model/user_equation.h"
 
 #include <algorithm>
+#include <cctype>
 #include <muParser.h>
 #include <string_view>
+#include <vector>
 
 namespace forcegate {
 
@@ -37,6 +39,17 @@ bool assigns(const std::string& expression) {
   return false;
 }
 
+// Beside the arguments of a function a comma parts expressions, of which the parser takes the last.
+bool parts_expressions(const std::string& expression) {
+  std::vector<bool> of_call;  // of the brackets that are open
+  for (std::size_t i = 0; i < expression.size(); ++i) {
+    if (expression[i] == '(') of_call.push_back(i > 0 && (std::isalnum(static_cast<unsigned char>(expression[i - 1])) != 0 || expression[i - 1] == '_'));
+    if (expression[i] == ')' && !of_call.empty()) of_call.pop_back();
+    if (expression[i] == ',' && (of_call.empty() || !of_call.back())) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<UserEquation>> UserEquation::make(const UserEffect& effect) {
@@ -54,6 +67,7 @@ Result<std::unique_ptr<UserEquation>> UserEquation::make(const UserEffect& effec
     for (std::size_t k = 0; k < effect.states.size(); ++k) parser.DefineVar(effect.states[k].first, &out->state[k]);
     for (std::size_t k = 0; k < effect.parameters.size(); ++k) parser.DefineVar(effect.parameters[k].name, &p.parameter[k]);
     if (assigns(expression)) throw mu::Parser::exception_type("it assigns; a comparison is ==");
+    if (parts_expressions(expression)) throw mu::Parser::exception_type("a comma stands between numbers; decimals have a point");
     parser.SetExpr(expression);
     parser.Eval();
   };

@@ -125,6 +125,15 @@ std::string column_map_advice(const Trace& trace, std::string_view name, std::st
       if (c.name.find('/') != std::string::npos)
         return "--map " + shell_quoted(c.name + "=U_V") + " where it is a ratio: wherever V stands, parts of the supply are meant";
     }
+  // what stands for an output, twice: whichever is taken out, the other one is it
+  if (wanted == "U")
+    for (const std::string_view quantity : {"resistance", "conductance", "current", "code"}) {
+      std::vector<const Channel*> of_quantity;
+      for (const Channel& c : trace.channels)
+        if (c.quantity == quantity) of_quantity.push_back(&c);
+      if (of_quantity.size() > 1)
+        return "--map " + shell_quoted(header_of(of_quantity.back()->name, of_quantity.back()->unit) + "=unused") + " where " + of_quantity.front()->name + " is the sensor";
+    }
   return "--map NAME=" + wanted + "_" + std::string(unit);
 }
 

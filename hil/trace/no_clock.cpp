@@ -45,7 +45,9 @@ Unexpected no_clock(const CsvTable& table, const std::vector<ColumnMeaning>& mea
   } else if (counts_rows(likely->value)) {
     hint = "\"" + likely->header + "\" counts the rows: give their rate, --rate HZ; where it counts seconds, --map " + shell_quoted(likely->header + "=t_s");
   } else {
-    const std::string unknown = unknown_unit(likely->header), unit = may_count_days(likely->value) ? "days" : "s";
+    const std::string unknown = unknown_unit(likely->header);
+    const std::optional<Unit> called = find_unit(likely->header);  // a column that is called by its unit
+    const std::string unit = called && called->quantity == "time" ? called->symbol : may_count_days(likely->value) ? "days" : "s";
     hint = "say which is the clock, for instance --map " + shell_quoted(likely->header + "=t_" + unit) +
            (unknown.empty() ? "" : " where \"" + unknown + "\" means seconds, t_ms and t_us for milli- and microseconds") + ", or give --rate HZ for a file without one";
   }

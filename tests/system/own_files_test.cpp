@@ -53,6 +53,12 @@ TEST_F(OwnFiles, OfModelsAndPages) {
   keeps({"compare", "film.csv", "--html", "film.html"}, "film.html");
 }
 
+TEST_F(OwnFiles, OfPicturesModelCurvesAndLeagues) {
+  keeps({"diagnose", "film.csv", "--pictures", "pictures"}, "pictures/records.svg");
+  keeps({"simulate", "film.csv", "-o", "curves"}, "curves/film.csv");
+  keeps({"league", "--only", "none", "--controls", "1", "--out", "league.json"}, "league.json");
+}
+
 TEST_F(OwnFiles, OfACalibration) {
   keeps({"bench", "calibrate", FORCEGATE_SOURCE_DIR "/rigs/twin.toml", "sensor", "-o", "cal.toml"}, "cal.toml");
 }

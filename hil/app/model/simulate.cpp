@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "hil/app/files/own_file.h"
 #include "hil/app/files/write_file.h"
 #include "hil/app/model/clean_input.h"
 #include "hil/base/plain_number.h"
@@ -41,7 +42,7 @@ struct OutputColumn {
 
 }  // namespace
 
-Result<Simulation> simulate_request(const CampaignRequest& request, const std::filesystem::path& folder, const std::atomic<bool>* interrupted) {
+Result<Simulation> simulate_request(const CampaignRequest& request, const std::filesystem::path& folder, const std::atomic<bool>* interrupted, bool replaces) {
   FORCEGATE_TRY(Campaign campaign, load_campaign(request));
   FORCEGATE_TRY(const Model model, request.model.empty() ? load_model(request, campaign) : load_model(request.model));
   Simulation out;
@@ -75,6 +76,7 @@ Result<Simulation> simulate_request(const CampaignRequest& request, const std::f
       ++counted;
     }
     const auto file = folder / (r.name + ".csv");
+    if (!replaces) FORCEGATE_CHECK_OK(check_own_file(file, kMarkOfSimulation));
     files.about_to_make(file);
     FORCEGATE_CHECK_OK(write_file_atomically(file, text));
     Simulation::Item item{r.name, file, r.rows(), r.row_step_s, r.fast_t_s.size() > r.rows(), std::nullopt};

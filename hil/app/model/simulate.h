@@ -24,8 +24,9 @@ struct Simulation {
 };
 
 /// Columns t_s, F_ref_N, U_V (measured), U_model_V on the rows, with the units of the outputs in their headers (at most 50 a second); rows that a fit would not use have no measured values.
-/// Errors (cancelled): `interrupted` was set; nothing new is left in the folder.
-Result<Simulation> simulate_request(const CampaignRequest& request, const std::filesystem::path& folder, const std::atomic<bool>* interrupted = nullptr);
+/// Errors (cancelled): `interrupted` was set; (usage): a file of somebody else stands there, unless `replaces`. Nothing new is left in the folder.
+Result<Simulation> simulate_request(const CampaignRequest& request, const std::filesystem::path& folder, const std::atomic<bool>* interrupted = nullptr,
+                                    bool replaces = false);
 
 std::string simulation_text(const Simulation& simulation);
 

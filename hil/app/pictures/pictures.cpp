@@ -2,16 +2,18 @@
 
 #include <fmt/format.h>
 
+#include "hil/app/files/own_file.h"
 #include "hil/app/files/write_file.h"
 #include "hil/report/diagnosis_figures.h"
 
 namespace forcegate {
 
 Result<std::vector<std::filesystem::path>> write_pictures(const Diagnosis& d, const RecordPictures& pictures,
-                                                          const std::filesystem::path& folder) {
+                                                          const std::filesystem::path& folder, bool replaces) {
   std::vector<std::filesystem::path> out;
   const auto put = [&](const std::string& name, const figures::Figure& figure) -> Result<void> {
     out.push_back(folder / (name + ".svg"));
+    if (!replaces) FORCEGATE_CHECK_OK(check_own_file(out.back(), kMarkOfPicture));
     return write_file_atomically(out.back(), figure.svg(figures::Figure::Target::standalone));
   };
   if (!d.ranking.empty()) FORCEGATE_CHECK_OK(put("ranking", ranking_figure(d)));

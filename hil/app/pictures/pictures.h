@@ -12,7 +12,8 @@ namespace forcegate {
 
 /// Writes into `folder` (made if missing): ranking, waterfall, records, map_before, map_after, for every claim its evidence,
 /// <effect>_1.svg and so on, then spectrum_1, extrema_1, levels, drift_1. Returns the files in that order.
+/// Errors (usage): a file that is no picture of ours stands in the way, unless `replaces`.
 Result<std::vector<std::filesystem::path>> write_pictures(const Diagnosis& diagnosis, const RecordPictures& pictures,
-                                                          const std::filesystem::path& folder);
+                                                          const std::filesystem::path& folder, bool replaces = false);
 
 }  // namespace forcegate

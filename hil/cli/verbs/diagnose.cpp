@@ -34,7 +34,7 @@ Result<int> run(const Invocation& in) {
     console.note("wrote " + html);
   }
   if (!folder.empty()) {
-    FORCEGATE_TRY(const auto files, write_pictures(answer, pictures, folder));
+    FORCEGATE_TRY(const auto files, write_pictures(answer, pictures, folder, in.flag("force")));
     console.note(fmt::format("wrote {} pictures into {}", files.size(), folder));
   }
   console.print_json(to_json(answer));  // one document: an error of the pictures would be a second

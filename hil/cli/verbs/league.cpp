@@ -1,8 +1,10 @@
 #include "hil/app/league/league.h"
 
+#include "hil/app/files/own_file.h"
 #include "hil/app/files/write_file.h"
 #include "hil/base/text.h"
 #include "hil/cli/command.h"
+#include "hil/cli/verbs/force_row.h"
 
 namespace forcegate {
 namespace {
@@ -11,6 +13,7 @@ std::vector<std::string> sizes() { return {"small", "full"}; }
 
 Result<int> run(const Invocation& in) {
   LeagueRequest request;
+  if (in.given("out") && !in.flag("force")) FORCEGATE_CHECK_OK(check_own_file(in.text("out"), kMarkOfLeague));
   FORCEGATE_TRY(request.seed, in.seed("seed"));
   FORCEGATE_TRY(const std::int64_t threads, in.integer("threads", 0, 256));
   FORCEGATE_TRY(const std::int64_t each, in.integer("each", 0, 1000));
@@ -83,7 +86,8 @@ const Registration<Command> kRow{Command{
                 {.name = "journal",
                  .value_name = "FILE",
                  .doc = "Keep finished campaigns here; the same command goes on after an interrupt."},
-                {.name = "out", .value_name = "FILE", .doc = "Write all results as JSON.", .names = Names::file}},
+                {.name = "out", .value_name = "FILE", .doc = "Write all results as JSON.", .names = Names::file},
+                force_row()},
     .examples = {{"forcegate league --seed 20261121", "The small league:"},
                  {"forcegate league --seed 5 --only hysteresis,creep,none --each 10", "One question only:"}},
     .run = run,

@@ -6,13 +6,14 @@
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
 #include "hil/cli/verbs/campaign_options.h"
+#include "hil/cli/verbs/force_row.h"
 
 namespace forcegate {
 namespace {
 
 Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const CampaignRequest request, campaign_request(in, in.text("CAMPAIGN"), named_model(in)));
-  FORCEGATE_TRY(const Simulation answer, simulate_request(request, in.text("output"), &in.interrupt_flag()));
+  FORCEGATE_TRY(const Simulation answer, simulate_request(request, in.text("output"), &in.interrupt_flag(), in.flag("force")));
   in.console().print(simulation_text(answer));
   in.console().notes(answer.notes);
   nlohmann::ordered_json records = nlohmann::ordered_json::array();
@@ -38,7 +39,7 @@ const Registration<Command> kRow{Command{
     .positionals = {campaign_positional()},
     .options = joined(
         {{{.name = "output", .value_name = "DIR", .doc = "Folder to write.", .required = true, .letter = 'o', .names = Names::records},
-          model_row()},
+          model_row(), force_row()},
          campaign_rows()}),
     .examples = {{"forcegate simulate m7 --model better.toml -o out", "The model's own curves:"}},
     .run = run,

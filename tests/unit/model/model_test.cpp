@@ -68,6 +68,8 @@ TEST(ModelFile, AMistakeInAnEquationHasItsLine) {
   EXPECT_EQ(place_of(head + "output = \"k * z\"\nparameter.k = 1.0\n"), "m.toml:5:10");
   EXPECT_EQ(place_of(head + "output = \"x\"\nstate.x = \"(F - x\"\n"), "m.toml:6:11");
   EXPECT_EQ(place_of(head + "output = \"F = 5\"\n"), "m.toml:5:10") << "an assignment";
+  EXPECT_EQ(place_of(head + "output = \"F^2 + 0,02 * F^3\"\n"), "m.toml:5:10") << "a decimal comma";
+  EXPECT_EQ(place_of(head + "output = \"max((F), 0.02 * (F - 1)) + min(F, 2, 3)\"\n"), "accepted");
   EXPECT_EQ(place_of(head + "output = \"k == 5 ? F : (F != 1 && F <= 2 && F >= 0)\"\nparameter.k = 1.0\n"), "accepted");
   EXPECT_EQ(place_of("[law]\ngain_N_per_V = 0\n"), "m.toml:2:16");
   EXPECT_EQ(place_of("[law]\ngain_N_per_V = 1e300\n"), "m.toml:2:16");

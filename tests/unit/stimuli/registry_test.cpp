@@ -121,6 +121,15 @@ INSTANTIATE_TEST_SUITE_P(Registry, EveryStimulus,
                          ::testing::ValuesIn(Registry<StimulusKind>::instance().names()),
                          [](const auto& kind) { return kind.param; });
 
+TEST(Stimuli, a_number_in_quotes_is_told_as_that) {
+  StimulusSpec s = sample("sine", 0);
+  s.numbers.erase("f_Hz");
+  s.texts["f_Hz"] = "0.5";
+  const auto made = make_stimulus(s);
+  ASSERT_FALSE(made.has_value());
+  EXPECT_NE(made.error().to_text().find("f_Hz is text"), std::string::npos) << made.error().to_text();
+}
+
 TEST(Stimuli, pulling_on_the_sensor_is_refused) {
   for (const char* name : {"sine", "multisine", "chirp", "prbs", "jump"}) {
     StimulusSpec s = sample(name, 0);

@@ -8,6 +8,7 @@
 
 #include "hil/trace/csv_hints.h"
 #include "hil/trace/campaign.h"
+#include "hil/trace/column_map.h"
 #include "hil/trace/columns.h"
 #include "hil/trace/csv.h"
 #include "hil/trace/date_time.h"
@@ -145,6 +146,12 @@ TEST(ForeignFiles, AUnitThatAMapLosesIsTold) {
     EXPECT_THAT(read("t_s," + std::string(name) + ",U_V\n0,1,2\n1,2,3\n", options).notes, ::testing::Not(Contains(HasSubstr("no unit known")))) << name;
   EXPECT_DOUBLE_EQ(read("t_s,F_uN,U_V\n0,1,2\n1,2,3\n").trace.find("F_ref")->value[1], 2e-6);
   EXPECT_DOUBLE_EQ(read("t_s,F_cN,U_V\n0,1,2\n1,2,3\n").trace.find("F_ref")->value[1], 2e-2);
+}
+
+TEST(ForeignFiles, OfTwoResistancesOneIsTakenOut) {
+  const auto f = read("t_s,F_N,R1_kohm,R2_kohm\n0,1,2,3\n1,2,3,4\n");
+  EXPECT_EQ(f.trace.find("U"), nullptr);
+  EXPECT_THAT(column_map_advice(f.trace, "U", "V"), HasSubstr("R2_ohm=unused"));
 }
 
 // A force is no acceleration.
