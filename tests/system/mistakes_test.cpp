@@ -29,6 +29,7 @@ TEST(Mistakes, InNamesAreToldAlsoWhereNothingWouldBeDoneWithThem) {
       {{"next", run, "--record", "nosuch.csv"}, "there is no such file\n  where: nosuch.csv"},
       {{"next", run, "--rig", "nosuch.toml"}, "there is no such file\n  where: nosuch.toml"},
       {{"league", "--only", "lag,nosuch"}, "there is no effect \"nosuch\""},
+      {{"league", "--only", "none", "--controls", "1", "--engine", "false"}, "the engine answered none of 1 campaigns: the engine printed nothing"},
       {{"history", "nix.toml"}, "there is no such model file"},
       {{"compare", run, "--model", "nix"}, "there is no such model file"},
       {{"export", "nix"}, "there is no such model file"},

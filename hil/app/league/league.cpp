@@ -1,5 +1,7 @@
 #include "hil/app/league/league.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -140,6 +142,16 @@ std::vector<LeagueMatch> league_programme(const LeagueRequest& request) {
   return programme;
 }
 
+namespace {
+
+// Of an error in full its first line, without "error: ".
+std::string error_words(const std::string& error) {
+  const std::string line = error.substr(0, error.find('\n'));
+  return line.starts_with("error: ") ? line.substr(7) : line;
+}
+
+}  // namespace
+
 Result<LeagueResult> play_league(const LeagueRequest& request, const LeagueEngine& engine,
                                  const std::function<void(double, std::string_view)>& progress) {
   const auto start = std::chrono::steady_clock::now();
@@ -169,6 +181,9 @@ Result<LeagueResult> play_league(const LeagueRequest& request, const LeagueEngin
   });
   FORCEGATE_CHECK_OK(journal.status());
   result.seconds = seconds_since(start);
+  if (std::ranges::none_of(result.matches, [](const LeagueMatch& m) { return m.error.empty(); }))
+    return fail(ErrorCode::config, fmt::format("the engine answered none of {} campaigns: {}", result.matches.size(), error_words(result.matches.front().error)), engine.name,
+                "try it by hand on one of them: forcegate mystery m, then ENGINE m");
   return result;
 }
 

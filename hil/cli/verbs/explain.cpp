@@ -102,7 +102,7 @@ Result<int> run(const Invocation& in) {
     add(e);
   }
   console.print_json(document.dump(2));
-  console.next(line_after(found.front().kind));
+  console.next(line_after(found.back().kind));  // what was read last
   return kExitSuccess;
 }
 
