@@ -204,6 +204,7 @@ TEST_F(Bench, WhatAnActionDoesNotTakeIsRefusedAndNotIgnored) {
       {{"bench", "calibrate", twin, "sensor", "--masses", "0,100"}, "--masses means nothing to bench calibrate sensor"},
       {{"bench", "calibrate", twin, "spring", "--yes"}, "--yes means nothing to bench calibrate spring"},
       {{"bench", "doctor", twin, "rigs/twin_rtu.toml"}, "bench doctor takes one bench file"},
+      {{"bench", "reset", twin, "--angle", "3"}, "--angle means nothing to bench reset"},
       {{"bench", "scan", twin}, "bench scan takes no file"},
       {{"bench", "list", twin, "--angle", "3", "--arm"}, "means nothing to bench list"},
       {{"characterize", "--plan", "capacitance", "--sensor", "fsr", "-o", folder / "out"}, "those of its packs"},

@@ -189,6 +189,7 @@ const ActionOptions kActions[] = {
     {"scan", {}, 0},
     {"serve", {"folder"}},
     {"park", {"attach", "arm"}},
+    {"reset", {"attach", "arm"}},
     {"jog", {"attach", "arm", "angle", "speed"}},
     {"who", {"attach"}},
     {"specimens", {"attach"}},
