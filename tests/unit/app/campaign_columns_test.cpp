@@ -27,10 +27,10 @@ class CampaignColumns : public FolderTest {
 };
 
 TEST_F(CampaignColumns, TheHintForAWeightInGramsCanBePastedAndTheHeadersLineIsNamed) {
-  const auto campaign = load_campaign(put("# bench 2\nt_s,Force (g),U_V\n0,1,2\n1,2,3\n2,3,4\n"));
+  const auto campaign = load_campaign(put("# bench 2\nt_s,Cell (g),U_V\n0,1,2\n1,2,3\n2,3,4\n"));
   ASSERT_FALSE(campaign);
   EXPECT_THAT(campaign.error().where, EndsWith("run.csv:2"));
-  EXPECT_THAT(campaign.error().hint, HasSubstr("--map 'Force_(g)=F_ref_gf'"));
+  EXPECT_THAT(campaign.error().hint, HasSubstr("--map 'Cell_(g)=F_ref_gf'"));
   const auto two = load_campaign(put("t_s,Cell A (N),Cell B (N),U_V\n0,1,2,3\n1,2,3,4\n"));
   ASSERT_FALSE(two);
   EXPECT_THAT(two.error().where, EndsWith("run.csv:1"));

@@ -42,16 +42,18 @@ TEST(WeakAddition, AnEndOfTheRangeAloneIsShownAllTheSame) {
 TEST(WeakAddition, AGainThatFollowsTheTemperatureAtOnceIsNoWonder) {
   const EffectKind* thermal = EffectRegistry::instance().find("thermal");
   ASSERT_NE(thermal, nullptr);
+  const auto form = std::ranges::find_if(thermal->forms, [](const EffectForm& f) { return !f.shape.empty() && f.shape.front().name == "tau_s"; });
+  ASSERT_NE(form, thermal->forms.end());
   const auto warned = [&](double tau_s) {
     diagnose::Refit r = refit(0.06, 0.0002, 1.0, 0.0035, 0.006);
-    ModelEffect effect = model_effect(*thermal, thermal->forms.front(), std::vector{tau_s}, std::vector<Estimate>(thermal->forms.front().strength.size(), Estimate{0.01, 1e-4}));
+    ModelEffect effect = model_effect(*thermal, *form, std::vector{tau_s}, std::vector<Estimate>(form->strength.size(), Estimate{0.01, 1e-4}));
     effect.shape.front().se = 4.0;
     r.model.effects = {effect};
     return weak_addition(r, "thermal").warnings;
   };
-  ASSERT_EQ(thermal->forms.front().shape.front().minimum, 0.0);
+  ASSERT_EQ(form->shape.front().minimum, 0.0);
   EXPECT_THAT(warned(0.0), IsEmpty());
-  EXPECT_THAT(warned(thermal->forms.front().shape.front().maximum), ElementsAre(HasSubstr("lies at an end")));
+  EXPECT_THAT(warned(form->shape.front().maximum), ElementsAre(HasSubstr("lies at an end")));
 }
 
 }  // namespace

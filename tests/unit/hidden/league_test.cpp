@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <filesystem>
 #include <set>
 
@@ -101,10 +102,18 @@ TEST(League, AnEngineThatGivesNoAnswerMisses) {
   const LeagueEngine broken{"broken", [](hidden::MadeCampaign&&) -> Result<LeagueReply> {
                               return fail(ErrorCode::internal, "no");
                             }};
-  const auto result = play_league(request, broken, nullptr);
-  ASSERT_TRUE(result);
+  const auto none = play_league(request, broken, nullptr);
+  ASSERT_FALSE(none) << "a table of no answers looks like one of misses";
+  EXPECT_NE(none.error().text.find("the engine answered none of 3 campaigns: no"), std::string::npos) << none.error().text;
+  std::atomic<int> asked = 0;
+  const LeagueEngine failing{"failing", [&](hidden::MadeCampaign&&) -> Result<LeagueReply> {
+                               if (asked++ > 0) return fail(ErrorCode::internal, "no");
+                               return LeagueReply{R"({"verdict":"none"})", "none"};
+                             }};
+  const auto result = play_league(request, failing, nullptr);
+  ASSERT_TRUE(result) << result.error().to_text();
   const LeagueTally t = tally(*result);
-  EXPECT_EQ(t.no_answer.k, t.no_answer.n);
+  EXPECT_EQ(t.no_answer.k + 1, t.no_answer.n);
   EXPECT_EQ(t.tiers[0].named.k + t.tiers[1].named.k + t.tiers[2].named.k, 0u);
   EXPECT_TRUE(std::all_of(result->matches.begin(), result->matches.end(), is_miss));
 }
