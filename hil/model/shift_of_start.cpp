@@ -4,6 +4,9 @@
 #include <cmath>
 #include <cstddef>
 #include <utility>
+#include <vector>
+
+#include "hil/trace/static_line.h"
 
 namespace forcegate {
 namespace {
@@ -34,18 +37,22 @@ EvenRows even_rows(const RecordInput& r, double step_s) {
   return out;
 }
 
-/// Variance of the output and what is left of it beside a straight line in the force `shift` steps before, of slope `sign`.
-std::pair<double, double> beside_line(const EvenRows& r, std::ptrdiff_t shift, double sign) {
-  double n = 0.0, F = 0.0, U = 0.0, FF = 0.0, FU = 0.0, UU = 0.0;
+/// Variance of the output, and what is left of it beside a straight line in the force `shift` steps before that rises, and beside one that falls.
+struct Beside {
+  double variance_V2 = 0.0, rising_V2 = 0.0, falling_V2 = 0.0;
+};
+
+Beside beside_line(const EvenRows& r, std::ptrdiff_t shift) {
+  StaticLine line;
   const auto size = static_cast<std::ptrdiff_t>(r.F.size());
   for (std::ptrdiff_t i = std::max<std::ptrdiff_t>(0, shift); i < std::min(size, size + shift); ++i) {
-    const double f = r.F[static_cast<std::size_t>(i - shift)], u = r.U[static_cast<std::size_t>(i)];
-    if (!std::isfinite(f + u)) continue;
-    n += 1.0, F += f, U += u, FF += f * f, FU += f * u, UU += u * u;
+    const double F_N = r.F[static_cast<std::size_t>(i - shift)], U_V = r.U[static_cast<std::size_t>(i)];
+    if (std::isfinite(F_N + U_V)) line.push(U_V, F_N);
   }
-  if (n < static_cast<double>(kFewest)) return {0.0, 0.0};
-  const double vF = FF / n - F * F / (n * n), vU = UU / n - U * U / (n * n), c = FU / n - F * U / (n * n);
-  return {vU, vF > 0.0 && sign * c > 0.0 ? std::max(0.0, vU - c * c / vF) : vU};
+  if (line.n() < static_cast<double>(kFewest)) return {};
+  const double variance = line.variance_V2(), covariance = line.covariance_VN();
+  const double left = line.variance_N2() > 0.0 ? std::max(0.0, variance - covariance * covariance / line.variance_N2()) : variance;
+  return {variance, covariance > 0.0 ? left : variance, covariance < 0.0 ? left : variance};
 }
 
 }  // namespace
@@ -65,22 +72,19 @@ double shift_of_start(const CampaignInput& campaign) {
   for (const RecordInput& r : campaign.records)
     if (r.rows() >= kFewest) records.push_back(even_rows(r, step_s));
   const auto most = static_cast<std::ptrdiff_t>(most_s / step_s);
-  // what is left at every shift
-  const auto left = [&](double sign) {
-    std::vector<double> out;
-    for (std::ptrdiff_t k = -most; k <= most; ++k) {
-      double before = 0.0, after = 0.0;
-      for (const EvenRows& r : records) {
-        const auto [variance, beside] = beside_line(r, k, sign);
-        before += variance;
-        after += beside;
-      }
-      out.push_back(before > 0.0 ? after / before : 1.0);
+  std::vector<double> of_shift, falling;  // what is left at every shift
+  for (std::ptrdiff_t k = -most; k <= most; ++k) {
+    Beside all;
+    for (const EvenRows& r : records) {
+      const Beside one = beside_line(r, k);
+      all.variance_V2 += one.variance_V2;
+      all.rising_V2 += one.rising_V2;
+      all.falling_V2 += one.falling_V2;
     }
-    return out;
-  };
+    of_shift.push_back(all.variance_V2 > 0.0 ? all.rising_V2 / all.variance_V2 : 1.0);
+    falling.push_back(all.variance_V2 > 0.0 ? all.falling_V2 / all.variance_V2 : 1.0);
+  }
   // half a cycle of another sign fits cycles as well: an output that falls with the force must fit far better
-  std::vector<double> of_shift = left(1.0), falling = left(-1.0);
   if (*std::ranges::min_element(falling) < kHalves * *std::ranges::min_element(of_shift)) of_shift = std::move(falling);
   const double best = *std::ranges::min_element(of_shift);
   if (!(best < kHalves * of_shift[static_cast<std::size_t>(most)])) return 0.0;

@@ -162,7 +162,7 @@ Figure levels_figure(const RecordPictures& p) {
   const auto known = [](const std::vector<double>& y) { return std::ranges::count_if(y, [](double v) { return std::isfinite(v); }) >= 3; };
   const auto add = [&](std::vector<double> y, std::vector<double> U, const std::string& quantity, const std::string& unit) {
     if (!known(y)) return;
-    const Scaled scale = readable_unit(largest(y), unit);
+    const Scaled scale = readable_unit(std::max(largest(y), largest(U)), unit);  // its whiskers are read too
     Panel& panel = figure.panel(axis, {quantity, scale.unit}, 120.0);
     panel.hline(0.0).points(x, scaled(std::move(y), scale.factor), {Role::firmware, Dash::solid, 1.0, Marker::dot, 5.0}, "",
                             scaled(std::move(U), scale.factor));

@@ -124,6 +124,12 @@ TEST(Pictures, of_a_diagnosis_name_both_axes_of_every_panel) {
     }
 }
 
+TEST(Pictures, of_levels_have_the_unit_of_their_whiskers) {
+  RecordPictures levels;
+  for (const double at : {1.0, 2.0, 3.0}) levels.levels.push_back({"r", at, 1e-8, 0.03, 0.0, 1.0, NAN, NAN});
+  EXPECT_EQ(levels_figure(levels).panels().front().y_axis.unit, "mV");
+}
+
 TEST(Pictures, of_samples_mark_what_the_claim_names) {
   Diagnosis d = sample::diagnosis();
   SampleWindow& window = d.findings[2].samples[0];
