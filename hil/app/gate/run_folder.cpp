@@ -23,18 +23,34 @@ namespace {
 constexpr const char* kPart = ".part-";
 constexpr const char* kOlder = ".older-";
 
-// Everything that a run may leave in its folder, and the last thing that it writes: a folder of somebody's own traces has none.
-bool is_ours(const fs::path& folder) {
-  std::error_code ignored;
-  if (fs::is_empty(folder, ignored)) return true;
-  if (!fs::exists(folder / "result.json", ignored)) return false;
+bool is_number(std::string_view text) { return !text.empty() && text.size() < 18 && text.find_first_not_of("0123456789") == std::string_view::npos; }
+
+// The process that a name PREFIX<PID> or, of the second one of a process, PREFIX<PID>-2 tells; 0 where it is another name.
+long pid_in(const std::string& name, const std::string& prefix) {
+  if (!name.starts_with(prefix)) return 0;
+  const std::string tail = name.substr(prefix.size()), pid = tail.substr(0, tail.find('-'));
+  if (!is_number(pid) || (pid.size() < tail.size() && !is_number(std::string_view(tail).substr(pid.size() + 1)))) return 0;
+  return std::stol(pid);
+}
+
+// Nothing but what a run may leave in its folder, finished or not: a file that is being written has its name and .part<PID>.
+bool holds_only_ours(const fs::path& folder) {
   std::vector<std::string> ours{"traces", "bundle", "bundle.json", "golden"};
   for (const ReporterKind& reporter : Registry<ReporterKind>::instance().all())
     if (!reporter.file_name.empty()) ours.push_back(reporter.file_name);
   std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error))
-    if (std::find(ours.begin(), ours.end(), entry.path().filename().string()) == ours.end()) return false;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    const auto is = [&](const std::string& one) { return name == one || pid_in(name, one + ".part") > 0; };
+    if (std::none_of(ours.begin(), ours.end(), is)) return false;
+  }
   return !error;
+}
+
+// The last thing that a run writes is there too: a folder of somebody's own traces has none.
+bool is_ours(const fs::path& folder) {
+  std::error_code ignored;
+  return fs::is_empty(folder, ignored) || (fs::exists(folder / "result.json", ignored) && holds_only_ours(folder));
 }
 
 void sync_folder(const fs::path& folder) {
@@ -72,9 +88,7 @@ fs::path of_another_run(const fs::path& final_path) {
   const std::string prefix = final_path.filename().string() + kPart;
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(final_path.parent_path(), ignored))
-    if (const std::string name = entry.path().filename().string();
-        name.starts_with(prefix) && lives(std::strtol(name.c_str() + prefix.size(), nullptr, 10)))
-      return entry.path();
+    if (lives(pid_in(entry.path().filename().string(), prefix))) return entry.path();
   return {};
 }
 
@@ -84,16 +98,13 @@ std::vector<fs::path> remove_leftovers(const fs::path& final_path) {
   std::error_code ignored;
   std::vector<std::pair<fs::path, long>> dead;
   for (const auto& entry : fs::directory_iterator(final_path.parent_path(), ignored)) {
-    const std::string name = entry.path().filename().string();
-    if (!name.starts_with(prefix)) continue;
-    const long pid = std::strtol(name.c_str() + prefix.size(), nullptr, 10);
-    if (lives(pid)) continue;
-    dead.emplace_back(entry.path(), pid);
+    const long pid = pid_in(entry.path().filename().string(), prefix);
+    if (pid > 0 && !lives(pid) && fs::is_directory(entry.path(), ignored)) dead.emplace_back(entry.path(), pid);
   }
   std::vector<fs::path> stay;
   for (const auto& [path, pid] : dead) {
     if (traces_in(path).empty()) {
-      fs::remove_all(path, ignored);
+      if (holds_only_ours(path)) fs::remove_all(path, ignored);
       continue;
     }
     std::error_code failed;
@@ -142,13 +153,15 @@ Result<RunFolder> RunFolder::open(const fs::path& final_path) {
 }
 
 RunFolder::RunFolder(RunFolder&& other) noexcept
-    : final_(std::move(other.final_)), temporary_(std::move(other.temporary_)), keeps_traces_(other.keeps_traces_), left_(std::move(other.left_)), older_(std::move(other.older_)) {
+    : final_(std::move(other.final_)), temporary_(std::move(other.temporary_)), keeps_traces_(other.keeps_traces_), left_(std::move(other.left_)), older_(std::exchange(other.older_, {})) {
   other.temporary_.clear();
 }
 
 RunFolder::~RunFolder() {
-  if (temporary_.empty()) return;
   std::error_code ignored;
+  // Another run that began in the same moment would find its name taken.
+  if (!older_.empty() && !fs::exists(final_, ignored) && of_another_run(final_).empty()) fs::rename(older_, final_, ignored);
+  if (temporary_.empty()) return;
   if (keeps_traces_ && !traces_in(temporary_).empty()) fs::rename(temporary_, unfinished(final_, getpid()), ignored);
   else fs::remove_all(temporary_, ignored);
 }
@@ -203,8 +216,8 @@ void RunFolder::remove_older() const {
   std::error_code ignored;
   std::vector<fs::path> replaced;
   for (const auto& entry : fs::directory_iterator(final_.parent_path(), ignored))
-    if (const std::string name = entry.path().filename().string();
-        name.starts_with(prefix) && !lives(std::strtol(name.c_str() + prefix.size(), nullptr, 10)) && !holds_what_a_bench_played(entry.path()))
+    if (const long pid = pid_in(entry.path().filename().string(), prefix);
+        pid > 0 && !lives(pid) && is_ours(entry.path()) && !holds_what_a_bench_played(entry.path()))
       replaced.push_back(entry.path());
   for (const fs::path& run : replaced) fs::remove_all(run, ignored);
 }

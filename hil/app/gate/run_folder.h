@@ -12,13 +12,13 @@ namespace forcegate {
 
 class RunFolder {
  public:
-  /// Puts an older run of that name aside at once, as NAME.older-PID (it must not be taken for this one), and removes what killed
-  /// runs left, but traces: those stay under the name NAME.unfinished-PID. Refuses (usage) a folder that holds anything but a result
+  /// Puts an older run of that name aside at once, as NAME.older-PID (while this one lasts it must not be taken for it), and removes
+  /// what killed runs left and nothing else, but traces: those stay under the name NAME.unfinished-PID. Refuses (usage) a folder that holds anything but a result
   /// of ours, and one that another run is filling now: one of the two would be lost.
   static Result<RunFolder> open(const std::filesystem::path& final_path);
   RunFolder(RunFolder&& other) noexcept;
   RunFolder& operator=(RunFolder&&) = delete;
-  ~RunFolder();  ///< removes the temporary folder if it was not published, but see keep_traces()
+  ~RunFolder();  ///< if it was not published: removes the temporary folder, but see keep_traces(), and gives the older run its name again
 
   /// What a bench has played cannot be played again: unless the run is published, its traces stay. Where they will be.
   std::filesystem::path keep_traces();

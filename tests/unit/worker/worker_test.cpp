@@ -260,7 +260,8 @@ TEST(RunFolder, an_older_run_is_gone_when_the_newer_one_is_there_and_not_before)
     EXPECT_EQ(interrupted->older(), aside);
     EXPECT_FALSE(interrupted->older_stays());
   }
-  EXPECT_TRUE(fs::exists(aside / "result.json")) << "Ctrl-C";
+  EXPECT_TRUE(fs::exists(run / "result.json")) << "Ctrl-C: nothing took its name";
+  EXPECT_FALSE(fs::exists(aside));
   ASSERT_TRUE(RunFolder::open(run)->publish({}));
   EXPECT_TRUE(fs::exists(run / "result.json"));
   EXPECT_FALSE(fs::exists(aside));
@@ -348,6 +349,23 @@ TEST(RunFolder, of_a_run_of_another_user_is_not_taken_for_a_dead_one) {
   ASSERT_EQ(waitpid(child, &status, 0), child);
   EXPECT_EQ(WEXITSTATUS(status), 0) << "1: it was taken";
   EXPECT_TRUE(fs::exists(f.root / "run.part-1"));
+}
+
+TEST(RunFolder, takes_no_name_for_its_own_that_has_no_process_and_no_folder_with_a_foreign_file) {
+  Folder f;
+  const std::vector<std::string> foreign{"run.part-B", "run.part-1st", "run.part-", "run.older-monday", "run.older-999999999-x", "run.part-999999999", "run.older-999999999"};
+  for (const std::string& name : foreign) {
+    fs::create_directories(f.root / name);
+    std::ofstream(f.root / name / "recording.csv") << "x";
+  }
+  fs::create_directories(f.root / "run.part-999999998");
+  std::ofstream(f.root / "run.part-999999998" / "bundle.json.part999999998") << "x";  // it was being written
+  fs::create_directories(f.root / "run.older-999999998-2");
+  std::ofstream(f.root / "run.older-999999998-2" / "result.json") << "{}";
+  ASSERT_TRUE(RunFolder::open(f.root / "run")->publish({}));
+  for (const std::string& name : foreign) EXPECT_TRUE(fs::exists(f.root / name / "recording.csv")) << name;
+  EXPECT_FALSE(fs::exists(f.root / "run.part-999999998"));
+  EXPECT_FALSE(fs::exists(f.root / "run.older-999999998-2"));
 }
 
 TEST(RunFolder, clears_what_a_killed_run_left_and_keeps_what_is_not_ours) {
