@@ -15,6 +15,8 @@
 namespace forcegate {
 namespace {
 
+constexpr const char* kReference = "reference.native.so";
+
 class PowerRun {
  public:
   PowerRun(const PowerRequest& request, const Plan& plan, const Plan* panel, PowerGatings gatings,
@@ -43,15 +45,15 @@ class PowerRun {
     std::size_t turns = request_.seeds;
     total_ = static_cast<double>(request_.seeds + (panel_ != nullptr ? request_.panel_seeds : 0));
     for (const MutantOutcome& outcome : result_.outcomes) {
-      turns = std::max(turns, runs_of(outcome.mutant));
-      total_ += static_cast<double>(runs_of(outcome.mutant));
+      turns = std::max(turns, request_.runs_of(outcome.mutant));
+      total_ += static_cast<double>(request_.runs_of(outcome.mutant));
     }
     // Seed by seed, so that a seed's calibrations are measured once.
     for (std::size_t i = 0; i < turns; ++i) {
       gatings_.forget_calibrations();
       if (i < request_.seeds) FORCEGATE_CHECK_OK(run_reference(plan_, plan_.seed + i, result_.reference));
       for (MutantOutcome& outcome : result_.outcomes)
-        if (i < runs_of(outcome.mutant))
+        if (i < request_.runs_of(outcome.mutant))
           FORCEGATE_CHECK_OK(
               run_mutant(outcome, plan_.seed + i, request_.quick || i >= request_.mutant_seeds));
     }
@@ -84,12 +86,6 @@ class PowerRun {
                     near.empty() ? "ls rigs/firmware/mutants lists them" : "did you mean '" + near + "'?");
       }
     return {};
-  }
-
-  // Levels of a family are gated more often: the share of rejections at each is what its smallest defect follows from.
-  // These further runs are quick ones; what would be seen without conformance is measured in the full ones only.
-  std::size_t runs_of(const Mutant& m) const {
-    return m.level ? std::max(request_.mutant_seeds, request_.family_seeds) : request_.mutant_seeds;
   }
 
   // Cases of the plan that an image is played on. What runs natively is judged natively; a cross-compiled
@@ -138,8 +134,8 @@ class PowerRun {
 
   Result<void> run_reference(const Plan& plan, std::uint64_t seed, ReferenceRuns& runs) {
     step(fmt::format("reference, plan {}, seed {}", plan.name, seed));
-    bool accepted = true, rejected = false;
-    for (const char* name : {"reference.native.so", "reference-m4f.block.elf", "reference.uart.elf"}) {
+    bool played = false, accepted = true, rejected = false;
+    for (const char* name : {kReference, "reference-m4f.block.elf", "reference.uart.elf"}) {
       const std::filesystem::path image = request_.firmware / name;
       std::error_code ignored;
       if (!std::filesystem::is_regular_file(image, ignored)) continue;
@@ -148,11 +144,13 @@ class PowerRun {
       if (image.extension() != ".so" && (seed != plan.seed || cases_for(plan, image, false).empty()))
         continue;
       FORCEGATE_TRY(const Gated g, gate_image(plan, nullptr, image, seed, false));
+      played = true;
       accepted = accepted && g.kind == DecisionKind::accept;
       rejected = rejected || g.kind == DecisionKind::reject;
       if (g.kind != DecisionKind::accept)
         runs.reasons.push_back(fmt::format("seed {}: {}: {}", seed, to_string(g.kind), g.reason));
     }
+    if (!played) return {};
     ++runs.n;
     runs.accepted += accepted ? 1 : 0;
     runs.rejected += rejected ? 1 : 0;
@@ -163,13 +161,14 @@ class PowerRun {
     const Mutant& m = outcome.mutant;
     step(fmt::format("{}, seed {}", m.name, seed));
     if (m.images.empty()) return {};
-    bool accepted = true, rejected = false, blind_known = true, blind_rejected = false;
+    bool played = false, accepted = true, rejected = false, blind_known = true, blind_rejected = false;
     std::set<std::string> failed;
     std::string reason;
     for (const std::filesystem::path& image : m.images) {
       if (image.extension() != ".so" && m.images.size() > 1 && cases_for(plan_, image, false).empty())
         continue;
       FORCEGATE_TRY(const Gated g, gate_image(plan_, &m, image, seed, quick));
+      played = true;
       accepted = accepted && g.kind == DecisionKind::accept;
       rejected = rejected || g.kind == DecisionKind::reject;
       blind_known = blind_known && g.conformance_known && !(quick && !m.good());
@@ -178,6 +177,7 @@ class PowerRun {
       if (reason.empty() || (m.good() ? g.kind != DecisionKind::accept : g.kind == DecisionKind::reject))
         reason = g.reason;
     }
+    if (!played) return {};
     const bool as_expected = m.good() ? accepted : rejected && expected(m, failed);
     if (outcome.runs == 0 || (outcome.as_expected && !as_expected)) outcome.reason = reason;
     outcome.as_expected = outcome.as_expected && as_expected;
@@ -256,9 +256,16 @@ PowerCount PowerResult::slipped() const {
   return c;
 }
 
+// Levels of a family are gated more often: the share of rejections at each is what its smallest defect follows from.
+// These further runs are quick ones; what would be seen without conformance is measured in the full ones only.
+std::size_t PowerRequest::runs_of(const Mutant& m) const { return m.level ? std::max(mutant_seeds, family_seeds) : mutant_seeds; }
+
+bool PowerResult::nothing_built() const { return outcomes.empty() && !not_built.empty() && std::max(request.mutant_seeds, request.family_seeds) > 0; }
+
 bool PowerResult::good() const {
-  if (reference.rejected + panel.rejected > 0) return false;
-  return std::all_of(outcomes.begin(), outcomes.end(), [](const MutantOutcome& o) {
+  if (reference.rejected + panel.rejected > 0 || nothing_built()) return false;
+  return std::all_of(outcomes.begin(), outcomes.end(), [&](const MutantOutcome& o) {
+    if (o.runs == 0 && request.runs_of(o.mutant) > 0) return false;
     if (o.mutant.good()) return o.rejected == 0;
     return o.rejected == o.runs || o.mutant.seen_by.front() == "nothing";
   });
@@ -266,6 +273,10 @@ bool PowerResult::good() const {
 
 Result<PowerResult> measure_power(const PowerRequest& request, const GateProgress& progress,
                                   const std::atomic<bool>* cancelled) {
+  std::error_code ignored;
+  if (request.seeds + request.panel_seeds > 0 && !std::filesystem::is_regular_file(request.firmware / kReference, ignored))
+    return fail(ErrorCode::usage, "there is no reference image to be accepted", (request.firmware / kReference).string(),
+                "name the folder that the build made (--firmware build/firmware), or leave the reference out: --seeds 0");
   FORCEGATE_TRY(const std::filesystem::path path, find_plan(request.plan));
   FORCEGATE_TRY(const Plan plan, read_plan(path));
   std::optional<Plan> panel;

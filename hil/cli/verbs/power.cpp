@@ -44,6 +44,7 @@ Result<int> run(const Invocation& in) {
   console.print_json(power_json(*result));
   console.print(result->good()
                    ? "the gate sees what it claims to see; docs/power.md explains the table"
+               : result->nothing_built() ? "no mutant is built in " + request.firmware.string() + ": nothing was gated (ninja mutants)"
                    : "write the check that sees a survivor, or say in its 'note:' why there is none");
   return result->good() ? kExitSuccess : kExitReject;
 }

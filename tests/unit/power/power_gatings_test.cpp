@@ -109,5 +109,20 @@ TEST(Power, the_smallest_defect_found_is_the_level_from_which_on_19_of_20_are_re
   EXPECT_NE(page.find("0.1: 20, 1: 10, 2: 19, 5: 20"), std::string::npos) << page;
 }
 
+TEST(Power, what_was_never_played_is_no_good_gate) {
+  PowerResult r;
+  r.outcomes = {level_of(5, 20)};
+  EXPECT_TRUE(r.good());
+  r.outcomes.push_back(level_of(10, 0));
+  r.outcomes.back().runs = r.outcomes.back().accepted = 0;
+  EXPECT_FALSE(r.good()) << "there, and played on no case";
+  r.request.mutant_seeds = r.request.family_seeds = 0;
+  EXPECT_TRUE(r.good()) << "no run of it was asked for";
+  PowerResult none;
+  none.not_built = {"gain_pct@1"};
+  EXPECT_TRUE(none.nothing_built());
+  EXPECT_FALSE(none.good());
+}
+
 }  // namespace
 }  // namespace forcegate
