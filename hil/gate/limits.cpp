@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "hil/base/text.h"
@@ -13,6 +14,14 @@ namespace {
 
 constexpr std::uint64_t kFewestForP99 = 299;  // 0.99^299 < 0.05
 constexpr std::int64_t kFormat = 2;
+
+// Files that an earlier version made have four decimals in each of the three numbers.
+bool follows(const DerivedLimit& limit) {
+  const auto of_four = [](double x) { return std::fabs(1e4 * x - std::round(1e4 * x)) < 1e-6; };
+  const bool rounded = of_four(limit.value) && of_four(limit.p99_upper) && of_four(limit.sd);
+  const double expected = limit.p99_upper + 2.0 * limit.sd;
+  return std::fabs(limit.value - expected) <= (rounded ? 2.01e-4 : 1e-9 * (limit.value + expected));
+}
 
 }  // namespace
 
@@ -65,6 +74,10 @@ Result<DerivedLimits> read_limits(const std::filesystem::path& path) {
     l.integer("n", n, 1, 1000000000, ConfigReader::required);
     FORCEGATE_CHECK_OK(l.finish());
     limit.n = static_cast<std::uint64_t>(n);
+    if (!follows(limit))
+      return fail(ErrorCode::config, fmt::format("the limit for {} of {} is not the derived one: value = {}, and p99_upper + 2 sd = {}", printable_utf8(check),
+                                                 printable_utf8(case_name), shortest(limit.value), shortest(limit.p99_upper + 2.0 * limit.sd)),
+                  item.where, "make the file anew with forcegate limits; a limit of your own goes into the plan (maxima_pct, minima_pct, limit_source)");
     if (!limits.by_case_and_check.try_emplace({case_name, check}, limit).second)
       return fail(ErrorCode::config, fmt::format("two limits for {} of {}", check, case_name), item.where);
   }

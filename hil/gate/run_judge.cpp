@@ -90,6 +90,8 @@ std::vector<JudgedCheck> judge_material(RunMaterial& material, const ChecksByRec
 
 namespace {
 
+std::string attempt_suffix(int attempt) { return fmt::format("/attempt{}", attempt); }
+
 CaseResult case_of(const Plan& plan, const PlayedRecord& one) {
   JudgedCase judged = one.judged;
   if (one.superseded)
@@ -97,7 +99,7 @@ CaseResult case_of(const Plan& plan, const PlayedRecord& one) {
   CaseResult c = to_case_result(plan.cases[one.case_index], one.job, one.record, judged, one.job.curves);
   c.attempts = one.job.attempt;
   if (!one.superseded) return c;
-  c.id += fmt::format("/attempt{}", one.job.attempt);
+  c.id += attempt_suffix(one.job.attempt);
   for (Check& check : c.checks) check.case_id = c.id;
   c.note += fmt::format("{}the rig was at fault in attempt {}, a later attempt stands for this record",
                         c.note.empty() ? "" : "; ", one.job.attempt);
@@ -148,5 +150,7 @@ RunResult to_run_result(const RunMaterial& material, const std::vector<JudgedChe
   for (const PlayedRecord* one : order) result.cases.push_back(case_of(material.plan, *one));
   return result;
 }
+
+bool is_superseded(const CaseResult& result) { return result.id.ends_with(attempt_suffix(result.attempts)); }
 
 }  // namespace forcegate

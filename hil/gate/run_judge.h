@@ -55,4 +55,7 @@ std::vector<JudgedCheck*> all_checks(std::vector<JudgedCheck>& of_run, std::vect
 /// and extrema of a record stay in only where its job has `curves`.
 RunResult to_run_result(const RunMaterial& material, const std::vector<JudgedCheck>& of_run);
 
+/// An attempt that the rig spoiled and a later one stands for. Its note tells that, while that of any other case is why it has no record.
+bool is_superseded(const CaseResult& result);
+
 }  // namespace forcegate

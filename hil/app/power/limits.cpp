@@ -9,6 +9,7 @@
 #include "hil/app/files/find_plan.h"
 #include "hil/base/digest.h"
 #include "hil/base/text.h"
+#include "hil/gate/run_judge.h"
 #include "hil/gate/statistics.h"
 
 namespace forcegate {
@@ -119,6 +120,7 @@ class Derivation {
   Result<void> take(const CaseResult& c, const GateRequest& gated) {
     const std::string name = c.id.substr(0, c.id.find('/'));
     const std::string where = gated.rig == "replay" ? gated.rig_options.at("record") : c.id;
+    if (is_superseded(c)) return {};  // a later attempt stands for it
     if (!c.note.empty()) return fail(ErrorCode::config, "a record failed: " + c.note, where);
     // Relative or absolute error of the minima: the one that the gate judges.
     const bool absolute_minima =

@@ -69,5 +69,23 @@ TEST_F(LimitsFile, of_the_former_format_is_refused_with_its_place) {
   EXPECT_NE(limits.error().hint.find("forcegate limits"), std::string::npos) << limits.error().to_text();
 }
 
+TEST_F(LimitsFile, whose_value_does_not_follow_is_refused_and_four_decimals_are_not) {
+  const auto read_with = [&](double p99, double sd, double value) {
+    DerivedLimits limits = sample();
+    DerivedLimit& one = limits.by_case_and_check[{"sine", "mre_maxima"}];
+    one.p99_upper = p99, one.sd = sd, one.value = value;
+    std::ofstream(path_, std::ios::trunc) << write_limits(limits);
+    return read_limits(path_);
+  };
+  EXPECT_TRUE(read_with(6.6154, 1.2766, 9.1684)) << "of an earlier version";
+  EXPECT_FALSE(read_with(6.6154, 1.2766, 9.1690));
+  EXPECT_FALSE(read_with(6.61544321, 1.27661234, 9.1690));
+  EXPECT_FALSE(read_with(0.00001, 0.00001, 0.0003)) << "small limits too";
+  const auto edited = read_with(6.6154, 1.2766, 99.0);
+  ASSERT_FALSE(edited);
+  EXPECT_EQ(edited.error().code, ErrorCode::config);
+  EXPECT_NE(edited.error().text.find("mre_maxima of sine is not the derived one: value = 99"), std::string::npos) << edited.error().text;
+}
+
 }  // namespace
 }  // namespace forcegate
