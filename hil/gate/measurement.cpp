@@ -46,7 +46,7 @@ RecordMeasurement::RecordMeasurement(const CaseJob& job, CaseRecord& record, Com
   overview_.begin(record.expected_samples, kOverviewColumns);
   const double f_Hz = record.facts.lowest_frequency_Hz;
   const double length_s = f_Hz > 0.0 ? std::clamp(kWindowCycles / f_Hz, 2.0, 120.0) : 20.0;
-  window_.begin(rate_Hz, std::min(length_s, record.duration_s), kWindowRows);
+  window_.begin(rate_Hz, std::min(length_s, record.duration_s), kWindowRows, block_rows);
   gain_per_code_ = job.calibration.gain_N_per_V * record.rig.v_range_V /
                    (static_cast<double>((1u << record.rig.adc_bits) - 1u));
 }
@@ -92,7 +92,7 @@ void RecordMeasurement::look_at_beginning(const RigBlock& block, std::size_t n) 
   }
 }
 
-// Keeps the cycles around the worst maximum so far. Only a clear worsening is worth the copy.
+// Keeps the cycles around the worst maximum so far: a pair is known up to a block after its instant. Only a clear worsening is worth the copy.
 void RecordMeasurement::look_for_worst() {
   if (!job_.curves) return;
   const double from_s = std::max(record_.facts.excitation_start_s, output_.finish().learning_end_s);
@@ -106,7 +106,7 @@ void RecordMeasurement::look_for_worst() {
     const double error = std::fabs(actual - expected);
     if (!(error > 1.05 * worst_N_)) continue;
     worst_N_ = error;
-    window_.snapshot();
+    window_.around(p.t_s);
     record_.window_reason = fmt::format("worst maximum, at {:.1f} s", p.t_s);
   }
 }
@@ -132,7 +132,7 @@ void RecordMeasurement::finish(const Stimulus& stimulus) {
         1e3 * d.first_lag_s, 1e3 * d.second_lag_s, d.drift_ppm, d.u_drift_ppm);
   if (job_.curves) {
     record_.overview = overview_.finish();
-    if (!window_.has_snapshot()) record_.window_reason = "end of the record";
+    if (!window_.has_any()) record_.window_reason = "end of the record";
     record_.window = window_.finish();
   }
   record_.early_raw_N = early_n_ > 0.0 ? early_raw_ / early_n_ : kNan;

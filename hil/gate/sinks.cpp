@@ -287,13 +287,15 @@ std::vector<PlotTrace> Overview::finish() {
   return to_traces(rows_);
 }
 
-void WindowKeeper::begin(double rate_Hz, double length_s, std::size_t capacity) {
+void WindowKeeper::begin(double rate_Hz, double length_s, std::size_t capacity, std::size_t block_rows) {
   *this = WindowKeeper();
+  length_s_ = length_s;
   const double samples = std::max(1.0, length_s * rate_Hz);
   stride_ = std::max<std::uint64_t>(
       1, static_cast<std::uint64_t>(std::ceil(samples / static_cast<double>(capacity))));
-  ring_.resize(std::max<std::size_t>(2, static_cast<std::size_t>(samples) / stride_));
-  kept_.reserve(ring_.size());
+  rows_ = std::max<std::size_t>(2, static_cast<std::size_t>(samples) / stride_);
+  ring_.resize(rows_ + block_rows / stride_ + 1);
+  kept_.reserve(rows_);
 }
 
 void WindowKeeper::push(const RecordBlock& b) {
@@ -303,16 +305,28 @@ void WindowKeeper::push(const RecordBlock& b) {
     if (++at_ == ring_.size()) at_ = 0;
     filled_ = std::min(filled_ + 1, ring_.size());
   }
+  if (open_ && b.n > 0 && b.rig->t_s[b.n - 1] >= end_s_) keep_until(end_s_);
 }
 
-void WindowKeeper::snapshot() {
+void WindowKeeper::around(double t_s) {
+  wanted_ = open_ = true;
+  end_s_ = std::max(t_s + 0.5 * length_s_, length_s_);
+  if (filled_ > 0 && ring_[(at_ + ring_.size() - 1) % ring_.size()].t_s >= end_s_) keep_until(end_s_);
+}
+
+void WindowKeeper::keep_until(double end_s) {
+  open_ = false;
   kept_.clear();
   const std::size_t start = filled_ < ring_.size() ? 0 : at_;
-  for (std::size_t i = 0; i < filled_; ++i) kept_.push_back(ring_[(start + i) % ring_.size()]);
+  const auto row = [&](std::size_t i) -> const Row& { return ring_[(start + i) % ring_.size()]; };
+  std::size_t end = filled_;
+  while (end > 0 && row(end - 1).t_s > end_s) --end;
+  const std::size_t first = end > rows_ ? end - rows_ : 0;
+  for (std::size_t i = first; i < std::min(first + rows_, filled_); ++i) kept_.push_back(row(i));
 }
 
 std::vector<PlotTrace> WindowKeeper::finish() {
-  if (kept_.empty()) snapshot();
+  if (open_ || !wanted_) keep_until(std::numeric_limits<double>::infinity());
   return to_traces(kept_);
 }
 

@@ -113,24 +113,28 @@ class Overview {
   std::vector<Row> rows_;
 };
 
-/// The last `capacity` rows, every stride-th sample; snapshot() copies them when something worth a look
-/// ended.
+/// Rows of a stretch of the record around an instant that is worth a look, every stride-th sample, at most `capacity` of them. An instant
+/// is known up to a block late: so many more rows are held.
 class WindowKeeper {
  public:
-  void begin(double rate_Hz, double length_s, std::size_t capacity);
+  void begin(double rate_Hz, double length_s, std::size_t capacity, std::size_t block_rows);
   void push(const RecordBlock& block);
-  void snapshot();
-  bool has_snapshot() const { return !kept_.empty(); }
-  std::vector<PlotTrace> finish();  ///< the snapshot, else the end of the record
+  /// Half the length before and after, as far as the record goes, in place of what was kept before.
+  void around(double t_s);
+  bool has_any() const { return wanted_; }
+  std::vector<PlotTrace> finish();  ///< around the last instant, else the end of the record
 
  private:
   struct Row {
     double t_s = 0.0;
     float value[4] = {};
   };
+  void keep_until(double end_s);
   std::vector<Row> ring_, kept_;
-  std::size_t at_ = 0, filled_ = 0;
+  std::size_t rows_ = 0, at_ = 0, filled_ = 0;
   std::uint64_t stride_ = 1, skip_ = 0;
+  double length_s_ = 0.0, end_s_ = 0.0;
+  bool wanted_ = false, open_ = false;  ///< open: what comes after the instant is still to be pushed
 };
 
 }  // namespace forcegate

@@ -6,6 +6,7 @@
 
 #include "hil/gate/budget.h"
 #include "hil/gate/calibrate.h"
+#include "hil/gate/run_judge.h"
 #include "tests/unit/gate/runner_bench.h"
 
 namespace forcegate {
@@ -100,6 +101,45 @@ TEST(JudgedPart, a_calibration_that_no_image_takes_is_the_sensors) {
   EXPECT_NE(beyond_what_images_take(c), "");
   c.q_scale = std::nan("");
   EXPECT_NE(beyond_what_images_take(c), "");
+}
+
+TEST(JudgedPart, the_window_around_the_worst_maximum_has_that_maximum_in_it) {
+  for (const double f_Hz : {0.5, 2.0, 4.0})
+    for (const std::uint32_t at : {9000u, 24600u, 31300u, 59400u}) {
+      Bench s;
+      s.job.planned.stimulus.numbers["f_Hz"] = f_Hz;
+      s.dut.spoil = [=](std::uint32_t index, float& force_N, std::uint8_t&) {
+        if (index > at - 500 && index < at + 500) force_N *= 1.5f;
+      };
+      const CaseRecord r = s.run();
+      ASSERT_EQ(r.window_reason.rfind("worst maximum, at ", 0), 0u) << r.window_reason;
+      const double t_s = std::stod(r.window_reason.substr(18));
+      ASSERT_NEAR(t_s, 1e-3 * at, 0.6);
+      ASSERT_FALSE(r.window.empty());
+      EXPECT_LT(r.window.front().t_s.front(), t_s) << f_Hz << " Hz";
+      EXPECT_GT(r.window.front().t_s.back(), t_s) << f_Hz << " Hz";
+      EXPECT_NEAR(r.window.front().t_s.back() - r.window.front().t_s.front(), std::max(2.0, 5.0 / f_Hz), 0.02);
+    }
+}
+
+TEST(JudgedPart, an_attempt_that_the_rig_spoiled_is_told_from_a_record_that_failed) {
+  Bench s;
+  RunMaterial m;
+  m.plan = s.plan;
+  m.plan.panel = {"fake"};
+  m.plan.cases = {s.job.planned};
+  for (int attempt = 1; attempt <= 2; ++attempt) {
+    PlayedRecord& one = m.records.emplace_back();
+    one.job = s.job;
+    one.job.attempt = attempt;
+    one.record = s.run();
+    one.superseded = attempt == 1;
+  }
+  const RunResult result = to_run_result(m, judge_material(m));
+  ASSERT_EQ(result.cases.size(), 2u);
+  EXPECT_TRUE(is_superseded(result.cases[0]));
+  EXPECT_FALSE(result.cases[0].note.empty());
+  EXPECT_FALSE(is_superseded(result.cases[1]));
 }
 
 }  // namespace
