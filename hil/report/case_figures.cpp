@@ -329,7 +329,7 @@ Figure ratio_figure(const RunResult& result) {
   std::vector<std::string> ids;
   const std::vector<JudgedRow> rows = judged_rows(result);
   for (const JudgedRow& r : rows)
-    if (std::isfinite(r.ratio) && std::find(ids.begin(), ids.end(), r.check->id) == ids.end())
+    if (!std::isnan(r.ratio) && std::find(ids.begin(), ids.end(), r.check->id) == ids.end())
       ids.push_back(r.check->id);
   if (ids.empty()) return figure;
   constexpr double kEdge = 2.0;
@@ -338,8 +338,13 @@ Figure ratio_figure(const RunResult& result) {
   };
   Marks pass, look, fail, beyond;
   std::map<std::string, int> seen;
+  std::size_t passed = 0, undecided = 0, failed = 0, not_drawn = 0;  // required ones
   for (const JudgedRow& r : rows) {
-    if (!std::isfinite(r.ratio)) continue;
+    if (r.check->required) {
+      ++(r.check->verdict == Verdict::pass ? passed : r.check->verdict == Verdict::fail ? failed : undecided);
+      not_drawn += std::isnan(r.ratio) ? 1 : 0;
+    }
+    if (std::isnan(r.ratio)) continue;
     const auto row = static_cast<double>(ids.end() - std::find(ids.begin(), ids.end(), r.check->id) - 1);
     static constexpr double kJitter[] = {0.0, 0.13, -0.13, 0.26, -0.26};
     const double jitter = kJitter[seen[r.check->id]++ % 5];
@@ -365,9 +370,9 @@ Figure ratio_figure(const RunResult& result) {
   if (!fail.x.empty() || !beyond.x.empty())
     panel.points(fail.x, fail.y, {Role::fail, Dash::solid, 1.0, Marker::cross, 7.0}, "fail");
   if (!beyond.x.empty()) panel.points(beyond.x, beyond.y, {Role::fail, Dash::solid, 1.0, Marker::cross, 7.0});
-  figure.summary = std::to_string(pass.x.size()) + " checks pass, " + std::to_string(look.x.size()) +
-                   " are marginal or not decided, " + std::to_string(fail.x.size() + beyond.x.size()) +
-                   " fail.";
+  figure.summary = "Of the required checks " + std::to_string(passed) + " pass, " + std::to_string(undecided) +
+                   " are marginal or not decided, " + std::to_string(failed) + " fail" +
+                   (not_drawn > 0 ? "; " + std::to_string(not_drawn) + " have no ratio and are not drawn." : ".");
   return figure;
 }
 

@@ -178,6 +178,22 @@ TEST(Html, survives_curves_with_missing_infinite_and_unequal_columns) {
   EXPECT_EQ(first_unbalanced(html(r)), "");
 }
 
+TEST(RatioFigure, counts_and_draws_a_check_that_nothing_is_allowed_to) {
+  RunResult run = sample::run(sample::Variant::accept);
+  const std::string accepted = ratio_figure(run).summary;
+  EXPECT_NE(accepted.find(", 0 fail"), std::string::npos) << accepted;
+  Check nan;
+  nan.id = "output_finite", nan.value = 1.0, nan.limit = {Limit::Kind::upper, 0.0, "ours"};
+  nan.verdict = Verdict::fail;
+  run.cases.front().checks.push_back(nan);
+  Check asked = nan;
+  asked.required = false;
+  run.cases.front().checks.push_back(asked);
+  const auto rejected = ratio_figure(run);
+  EXPECT_NE(rejected.summary.find(", 1 fail"), std::string::npos) << rejected.summary;
+  EXPECT_NE(rejected.svg(figures::Figure::Target::embedded).find("output_finite"), std::string::npos);
+}
+
 TEST(Bullet, draws_the_limit_and_an_arrow_beyond_the_axis) {
   const std::string inside = figures::bullet_svg({4.0, 0.5, 5.0, false, figures::Role::pass, "x"});
   EXPECT_THAT(inside, Not(HasSubstr("5l-7 5z")));
