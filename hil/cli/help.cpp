@@ -106,7 +106,7 @@ std::string exit_code_text(int code) {
     case kExitSafetyStop:
       return "A safety limit parked the rig and the cause is undecided: a person must look.";
     case kExitInternal: return "A defect of Forcegate itself.";
-    case kExitInterrupted: return "Interrupted by Ctrl-C or SIGTERM.";
+    case kExitInterrupted: return "Interrupted by Ctrl-C, SIGTERM or SIGHUP.";
     default: return "";
   }
 }

@@ -11,7 +11,7 @@ void install_signal_handlers();
 /// True while a bar stands on the terminal; the handler removes it.
 extern std::atomic<bool> g_bar_on_terminal;
 
-/// After this call the first SIGINT or SIGTERM sets the flag, the second ends the program.
+/// After this call the first SIGINT, SIGTERM or SIGHUP sets the flag, the second ends the program.
 const std::atomic<bool>& catch_interrupt();
 
 /// Who is ended by the first of them is told so, as the error of any other end: for `json` by one object on stdout. Only this process: a

@@ -99,7 +99,7 @@ const std::vector<Explanation>& explanations() {
       {"5", "exit code", "A safety limit parked the rig and the cause is undecided.",
        "A person must look at the bench before anything moves again."},
       {"6", "exit code", "A defect of Forcegate itself.", "Report it with the command line."},
-      {"130", "exit code", "Interrupted by Ctrl-C or SIGTERM; the rig is parked.",
+      {"130", "exit code", "Interrupted by Ctrl-C, SIGTERM or SIGHUP; the rig is parked.",
        "forcegate recover makes a trace from the journal of the interrupted record."},
   };
   return kAll;

@@ -291,8 +291,8 @@ class Pool {
             : fmt::format("exit code {}", WEXITSTATUS(status));
     const WorkerPage& page = *w.page;
     const bool inside = page.guard.in_firmware.load() != 0, loaded = page.guard.loaded.load() != 0;
-    // The emergency stop of a bench ends whoever holds it; no firmware is judged by that.
-    if (WIFSIGNALED(status) && WTERMSIG(status) == SIGTERM && page.own_signal.load() == 0)
+    // The emergency stop of a bench ends whoever holds it, a terminal that is closed whoever runs in it; no firmware is judged by that.
+    if (WIFSIGNALED(status) && (WTERMSIG(status) == SIGTERM || WTERMSIG(status) == SIGHUP) && page.own_signal.load() == 0)
       return gone(w.task, ErrorCode::cancelled, "stopped from outside: forcegate bench park, or a kill");
     if (inside && WIFSIGNALED(status) && page.other_thread.load() == 0)
       return gone(w.task, ErrorCode::firmware, fmt::format("the firmware crashed with {} {}", how, place_of(page.guard)));
