@@ -34,8 +34,12 @@ std::string hours(double s) {
 }
 
 // What a gate of this plan would stumble over, on the emulated rig at least: no mistake of the file.
-Result<std::vector<std::string>> remarks_on(const Plan& plan) {
-  std::vector<std::string> out;
+Result<void> remark_on(const Plan& plan, PlanEstimate& e) {
+  std::vector<std::string>& out = e.remarks;
+  const auto refused = [&](std::string why) {
+    out.push_back(std::move(why));
+    e.refused = true;
+  };
   FORCEGATE_TRY(const auto rig, make_rig("emulated", {}));
   const double highest_N = rig->info().force_max_N;
   DerivedLimits limits;
@@ -43,16 +47,22 @@ Result<std::vector<std::string>> remarks_on(const Plan& plan) {
     const std::filesystem::path path = plan.path.parent_path() / plan.limits.derived;
     if (auto read = read_limits(path))
       limits = std::move(*read);
+    else if (std::error_code ignored; std::filesystem::exists(path, ignored))
+      refused("limits file " + plan.limits.derived + ": " + read.error().text + " (forcegate limits)");
     else
       out.push_back("limits file " + plan.limits.derived + ": " + read.error().text + " (forcegate limits)");
   }
+  const bool with_goldens = std::any_of(plan.cases.begin(), plan.cases.end(), [](const PlanCase& c) { return c.checks & kCheckGolden; });
+  if (std::error_code ignored; with_goldens && !std::filesystem::is_directory(plan.path.parent_path() / plan.limits.goldens, ignored))
+    out.push_back("golden traces: there is no folder " + (plan.path.parent_path() / plan.limits.goldens).lexically_normal().string() +
+                  ", and without a golden there is no decision (forcegate bless RUN makes them)");
   std::set<std::string> specimens;
   for (const PlanCase& c : plan.cases) {
     specimens.insert(specimens_of(plan, c).begin(), specimens_of(plan, c).end());
     const auto made = make_stimulus(c.stimulus);
     if (made && (*made)->facts().maximum_N > highest_N)
       out.push_back(fmt::format("case {} goes to {:.4g} N, the emulated rig to {:.4g} N", c.name, (*made)->facts().maximum_N, highest_N));
-    if (c.checks == 0 && plan.name != "campaign") out.push_back("case " + c.name + " asks for no check: forcegate gate refuses it");
+    if (c.checks == 0 && plan.name != "campaign") refused("case " + c.name + " asks for no check: forcegate gate refuses it");
     const bool dynamic = made && (*made)->facts().dynamic;
     if (dynamic && c.checks & kCheckAccuracy && !c.maxima_pct && limits.find(c.name, "mre_maxima").kind == Limit::Kind::none)
       out.push_back("case " + c.name + " asks for an accuracy and has no limit: maxima_pct, minima_pct and limit_source, or forcegate limits");
@@ -65,9 +75,9 @@ Result<std::vector<std::string>> remarks_on(const Plan& plan) {
     probe.specimen = specimen;
     probe.duration_s = 1.0;
     probe.force_high_N = 1.0;
-    if (auto begun = rig->begin(probe); !begun) out.push_back(begun.error().text + (begun.error().hint.empty() ? "" : " (" + begun.error().hint + ")"));
+    if (auto begun = rig->begin(probe); !begun) refused(begun.error().text + (begun.error().hint.empty() ? "" : " (" + begun.error().hint + ")"));
   }
-  return out;
+  return {};
 }
 
 }  // namespace
@@ -153,7 +163,7 @@ Result<PlanEstimate> estimate_named_plan(const std::string& name) {
   if (!weights) {
     FORCEGATE_TRY(const Plan plan, read_plan(path));
     PlanEstimate e = estimate_plan(plan);
-    FORCEGATE_TRY(e.remarks, remarks_on(plan));
+    FORCEGATE_CHECK_OK(remark_on(plan, e));
     return e;
   }
   FORCEGATE_TRY(const characterize::WeightGatePlan plan, characterize::read_weight_gate_plan(path));

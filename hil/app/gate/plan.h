@@ -23,6 +23,7 @@ struct PlanEstimate {
   bool replays = false;  ///< its cases are a recording, which no rig makes
   std::vector<PlanEstimateRow> cases;
   std::vector<std::string> remarks;  ///< what a gate would stumble over although the file is right
+  bool refused = false;              ///< one of them ends a gate with exit 2
   std::size_t records = 0;
   double calibration_bench_s = 0.0;
   double bench_s = 0.0;         ///< calibration, records and rests, one after the other

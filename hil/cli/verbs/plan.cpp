@@ -41,6 +41,8 @@ Result<int> run(const Invocation& in) {
   const std::optional<std::string> image = shipped_image(estimate.weights ? "two-variable.native.so" : "reference.native.so");
   if (estimate.name == "campaign")  // it judges no firmware
     in.console().next("forcegate record --help");
+  else if (estimate.refused)
+    in.console().next("mend the plan (docs/plan.md), then: forcegate plan " + shell_quoted(in.text("PLAN")));
   else if (estimate.replays)
     in.console().next("judge a recording of yours with it: forcegate gate " + shell_quoted(image.value_or("FIRMWARE")) + " --record FILE" +
                       (estimate.name == "replay" ? std::string() : " --plan " + shell_quoted(in.text("PLAN"))));
