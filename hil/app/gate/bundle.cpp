@@ -33,7 +33,8 @@ std::string id_of(const std::vector<BundleFile>& files) {
   return sha256_hex(list);
 }
 
-// What is not judged; its checks are those against the accepted build, with their values but without a verdict.
+// What is not judged; its checks are those against the accepted build, with their values but without a verdict, which is "not run" and
+// nobody's. Where the accepted build gave nothing to compare with the verdict is final, and somebody's.
 RunResult with_compared(RunResult head, const std::vector<JudgedCheck>& compared) {
   head.checks.clear();
   for (const JudgedCheck& j : compared) head.checks.push_back(j.check);
@@ -43,7 +44,10 @@ RunResult with_compared(RunResult head, const std::vector<JudgedCheck>& compared
 
 std::vector<JudgedCheck> take_compared(RunResult& head) {
   std::vector<JudgedCheck> compared;
-  for (Check& check : head.checks) compared.push_back({.check = std::move(check)});
+  for (Check& check : head.checks) {
+    const bool judgeable = check.verdict == Verdict::not_run && check.blame == Blame::none;
+    compared.push_back({.check = std::move(check), .judgeable = judgeable});
+  }
   head.checks.clear();
   return compared;
 }

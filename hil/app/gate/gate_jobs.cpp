@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
+#include <set>
 
 #include "hil/app/files/find_plan.h"
 #include "hil/app/gate/same_profile.h"
@@ -16,6 +18,40 @@
 
 namespace forcegate {
 namespace {
+
+// Twice the same specimen is one piece of evidence, and u of the panel's mean would shrink all the same.
+Result<void> select_panel(const GateRequest& request, Plan& plan) {
+  if (request.panel.empty()) return {};
+  std::set<std::string> seen;
+  for (const std::string& specimen : request.panel)
+    if (!seen.insert(specimen).second)
+      return fail(ErrorCode::usage, fmt::format("specimen '{}' is named twice", printable_utf8(specimen)), "--specimen", "name every specimen once");
+  plan.panel = request.panel;
+  for (PlanCase& c : plan.cases) c.specimens.clear();
+  return {};
+}
+
+// What the plan asks for beyond what is played: an acceptance of a part is none of the plan.
+std::string left_out_of(const Plan& whole, const Plan& played) {
+  std::size_t records = 0, of_records = 0;
+  for (const PlanCase& c : played.cases) records += specimens_of(played, c).size();
+  for (const PlanCase& c : whole.cases) of_records += specimens_of(whole, c).size();
+  std::vector<std::string> missing, other;
+  const auto names = [](const Plan& plan) {
+    std::set<std::string> out;
+    for (const PlanCase& c : plan.cases) out.insert(specimens_of(plan, c).begin(), specimens_of(plan, c).end());
+    return out;
+  };
+  const std::set<std::string> asked = names(whole), given = names(played);
+  std::ranges::set_difference(asked, given, std::back_inserter(missing));
+  std::ranges::set_difference(given, asked, std::back_inserter(other));
+  if (records == of_records && played.cases.size() == whole.cases.size() && missing.empty() && other.empty()) return {};
+  std::string out = fmt::format("{} of {} cases and {} of {} records of the plan are played: what else it asks for was not judged", played.cases.size(),
+                                whole.cases.size(), records, of_records);
+  if (!missing.empty()) out += "; specimens left out: " + join(missing, ", ");
+  if (!other.empty()) out += "; specimens that the plan does not name: " + join(other, ", ");
+  return out;
+}
 
 Result<void> select_cases(const GateRequest& request, Plan& plan) {
   if (request.only_cases.empty()) return {};
@@ -217,10 +253,8 @@ Result<GateSetup> prepare_gate(GateRequest& request) {
       return fail(ErrorCode::usage, "this plan cannot identify a specimen", plan.path.string(),
                   "it has no [calibration.identification]");
   }
-  if (!request.panel.empty()) {
-    plan.panel = request.panel;
-    for (PlanCase& c : plan.cases) c.specimens.clear();
-  }
+  const Plan whole = plan;
+  FORCEGATE_CHECK_OK(select_panel(request, plan));
   if (!request.goldens.empty()) {
     plan.limits.goldens = std::filesystem::absolute(request.goldens).lexically_normal().string();
     for (PlanCase& c : plan.cases) c.checks |= kCheckGolden;
@@ -228,6 +262,9 @@ Result<GateSetup> prepare_gate(GateRequest& request) {
   if (const auto said = setup.rig.details.find("notes"); said != setup.rig.details.end())
     setup.notes.push_back("of the recording: " + said->second);
   FORCEGATE_CHECK_OK(select_cases(request, plan));
+  // Of a recording --specimen says which one was pressed.
+  if (const std::string left_out = setup.rig.can_move || !request.only_cases.empty() ? left_out_of(whole, plan) : std::string(); !left_out.empty())
+    setup.notes.push_back(left_out);
   FORCEGATE_CHECK_OK(select_lanes(request, setup));
   // a wrong option is told before anything is played
   if (const LaneKind* lane = Registry<LaneKind>::instance().find(setup.lane); lane != nullptr && !request.lane_options.empty())
