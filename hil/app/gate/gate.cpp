@@ -7,6 +7,7 @@
 
 #include "hil/app/gate/bundle.h"
 #include "hil/app/gate/gate_player.h"
+#include "hil/app/gate/repeats.h"
 #include "hil/app/gate/run_folder.h"
 #include "hil/base/text.h"
 #include "hil/gate/run_judge.h"
@@ -34,7 +35,8 @@ class GateRun {
       if (plays_only_once(request_, setup_)) folder->keep_traces();
       for (const std::filesystem::path& left : folder->left_by_others())
         result_.notes.push_back("what a run that died had recorded is kept: " + left.string());
-      if (folder->older_stays()) result_.notes.push_back("the older run of that name, which a bench has played, is kept: " + folder->older().string());
+      if (folder->older_stays()) older_note_ = "the older run of that name, which a bench has played, is kept: " + folder->older().string();
+      if (!older_note_.empty()) result_.notes.push_back(older_note_);
     }
     const std::filesystem::path keep_folder = folder ? folder->path() : std::filesystem::path();
     if (accepted_) result_.notes.push_back(accepted_note(*accepted_));
@@ -160,7 +162,8 @@ class GateRun {
     return wanted;
   }
 
-  // Emulated records are recipes: those in doubt are played again with a recorder.
+  // Emulated records are recipes: those in doubt are played again with a recorder, and one in any case. What does not come out the same
+  // is no evidence for anything.
   void keep_doubtful(const std::filesystem::path& folder) {
     if (!setup_.rig.emulated) return;
     std::vector<PlayedRecord*> doubtful;
@@ -171,13 +174,18 @@ class GateRun {
       });
       if (doubt && !one.record.failure && doubtful.size() < kMostKept) doubtful.push_back(&one);
     }
-    player_->keep(doubtful, folder);
+    if (doubtful.empty()) player_->try_one_again();
+    else player_->keep(doubtful, folder);
+    if (auto check = repeats_check(player_->not_repeated())) compared_.push_back(std::move(*check));
   }
 
   // Golden traces and waivers come in when every record is made.
   Result<RunResult> conclude(std::optional<RunFolder>& folder) {
     if (player_->cancelled() && folder)
-      result_.notes.push_back("interrupted: there is no " + request_.output.string() + kept_of(*folder));
+      result_.notes.push_back((folder->older().empty() ? "interrupted: there is no " + request_.output.string()
+                                                       : "interrupted: " + request_.output.string() + " is the older run") +
+                              kept_of(*folder));
+    if (player_->cancelled()) std::erase(result_.notes, older_note_);  // it has its name again
     RunMaterial material{setup_.plan,
                          limits_,
                          player_->level(),
@@ -187,8 +195,6 @@ class GateRun {
                          std::move(result_)};
     const auto& notes = player_->notes();
     material.head.notes.insert(material.head.notes.end(), notes.begin(), notes.end());
-    if (folder && material.cancelled && !folder->older().empty() && !folder->older_stays())
-      material.head.notes.push_back("the older run is kept until the next one is finished: " + folder->older().string());
     std::vector<GoldenMargins> margins;
     RunResult result = judged_run(material, evidence_, material.head.notes, &margins);
     if (!folder || material.cancelled) return result;
@@ -231,6 +237,7 @@ class GateRun {
   std::filesystem::path limits_path_;
   std::optional<AcceptedBuild> accepted_;
   RunEvidence evidence_;
+  std::string older_note_;
   bool keeps_all_ = false;        ///< the samples of every record
   bool keeps_doubtful_ = false;   ///< records in doubt are played again at the end, for their samples
   GatePlayer* player_ = nullptr;  ///< while run() lasts

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "hil/app/gate/repeats.h"
 #include "hil/gate/blame.h"
 #include "hil/gate/calibrate.h"
 
@@ -248,11 +249,37 @@ void GatePlayer::keep(const std::vector<PlayedRecord*>& doubtful, const std::fil
     planned_s_ += rig_time_s(jobs.back());
   }
   auto made = run(jobs);
-  for (std::size_t k = 0; k < made.size(); ++k)
-    if (!made[k].failure && made[k].digest == doubtful[k]->record.digest) {
-      doubtful[k]->job.curves = true;
-      doubtful[k]->record = std::move(made[k]);
+  for (std::size_t k = 0; k < made.size(); ++k) {
+    if (!note_second_play(doubtful[k]->record, made[k])) {
+      std::error_code ignored;  // of another play than the one that is judged: it belongs to no record
+      for (const char* ending : {".h5", ".fgj"}) std::filesystem::remove(std::filesystem::path(jobs[k].keep_path).replace_extension(ending), ignored);
+      continue;
     }
+    doubtful[k]->job.curves = true;
+    doubtful[k]->record = std::move(made[k]);
+  }
+}
+
+void GatePlayer::try_one_again() {
+  if (setup_.rig.name != "emulated") return;  // of another rig a difference says nothing of the firmware
+  const PlayedRecord* shortest = nullptr;
+  for (const PlayedRecord& one : records_)
+    if (!one.superseded && !one.record.failure && (shortest == nullptr || one.record.duration_s < shortest->record.duration_s)) shortest = &one;
+  if (shortest == nullptr) return;
+  CaseJob job = shortest->job;
+  job.index = 0;
+  job.keep_path.clear();
+  job.curves = false;
+  planned_s_ += rig_time_s(job);
+  const auto made = run({job});
+  note_second_play(shortest->record, made.front());
+}
+
+bool GatePlayer::note_second_play(const CaseRecord& first, const CaseRecord& again) {
+  SecondPlay second = compare_plays(first, again);
+  if (second.is == SecondPlay::Is::other_by_firmware) not_repeated_.push_back(std::move(second.text));
+  else if (second.is == SecondPlay::Is::other) notes_.push_back("a second play is not the first one, and is not kept: " + second.text);
+  return second.is == SecondPlay::Is::same;
 }
 
 }  // namespace forcegate

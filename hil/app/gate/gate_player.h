@@ -38,6 +38,10 @@ class GatePlayer {
 
   /// Again with curves and kept samples, for those of the emulated rig that are in doubt.
   void keep(const std::vector<PlayedRecord*>& doubtful, const std::filesystem::path& folder);
+  /// The shortest record a second time: does the firmware repeat itself?
+  void try_one_again();
+  /// Records that came out otherwise in a second play for which the firmware alone answers, each in words.
+  const std::vector<std::string>& not_repeated() const { return not_repeated_; }
 
   std::vector<PlayedRecord>& records() { return records_; }
   const std::vector<std::string>& notes() const { return notes_; }
@@ -48,6 +52,8 @@ class GatePlayer {
   using Key = std::pair<std::string, std::uint64_t>;  ///< specimen, session
   void calibrate(std::uint64_t session, const std::vector<std::string>& specimens);
   std::vector<CaseRecord> run(const std::vector<CaseJob>& jobs);
+  /// Whether it is the first one once more; what differs goes into notes or not_repeated.
+  bool note_second_play(const CaseRecord& first, const CaseRecord& again);
   std::vector<CaseRecord> run_in_turn(const std::vector<CaseJob>& jobs);
   /// A second silence of the board at the sample of the first is the firmware's.
   void charge_silence(PlayedRecord& one) const;
@@ -68,7 +74,7 @@ class GatePlayer {
   std::vector<PlayedRecord> records_;
   const AcceptedBuild* accepted_build_ = nullptr;
   std::map<std::string, CaseRecord> accepted_;  ///< by the candidate's id
-  std::vector<std::string> notes_;
+  std::vector<std::string> notes_, not_repeated_;
 };
 
 }  // namespace forcegate

@@ -12,6 +12,8 @@ const std::vector<Explanation>& check_explanations() {
   static const std::vector<Explanation> kAll = {
       {"firmware_runs", "check", "The firmware answers every sample: it was loaded, echoed nonce and calibration, and did neither crash, hang, end nor leave samples out.",
        "The evidence says how it ended and in which block of samples, or while it was opened; run that record again with a debugger."},
+      {"firmware_repeats", "check", "Emulated rig: records that the same image gives otherwise when they are played a second time from the same seed. It is there only where it failed.",
+       "Look for a clock, memory that nobody set and threads: what is not the same on the same codes is no evidence for anything (docs/gate.md)."},
       {"rig_runs", "check", "The rig plays the record from begin to end; the evidence names the instrument that failed.", kRig},
       {"conformance", "check", "Largest distance of the output from an independent implementation of the algorithm that the image declares, on the same codes.",
        "Compare the build with its algorithm: the rig has no part in it."},

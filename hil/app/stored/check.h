@@ -24,10 +24,12 @@ struct CheckAnswer {
   std::size_t records = 0;
   std::size_t measured_again = 0;        ///< records whose facts were measured again from their samples
   std::size_t played_again = 0;          ///< records whose digest was reproduced by the rig
-  std::vector<std::string> differences;  ///< what did not come out the same
+  std::vector<std::string> not_repeated;  ///< records that the firmware gives otherwise from play to play
+  std::vector<std::string> differences;   ///< what did not come out the same
 };
 
-/// Errors: those of read_bundle, of the limits file or plan; usage when a plan has none of the run's cases.
+/// Errors: those of read_bundle, of the limits file or plan; usage when a plan lacks one of the run's cases, or plays
+/// another profile in it. What the plan asks for and the run has not is a required check that was not run.
 Result<CheckAnswer> check_run(const CheckRequest& request, const GateProgress& progress = {},
                               const std::atomic<bool>* cancelled = nullptr);
 
