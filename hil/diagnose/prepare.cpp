@@ -2,6 +2,8 @@
 #include <array>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "hil/base/largest_first.h"
 #include "hil/base/plain_number.h"
 #include "hil/diagnose/base/base_fit.h"
@@ -17,6 +19,7 @@
 #include "hil/diagnose/raw/absurd_force.h"
 #include "hil/diagnose/raw/clean_samples.h"
 #include "hil/diagnose/raw/lost_blocks.h"
+#include "hil/diagnose/raw/missing_code.h"
 #include "hil/diagnose/raw/record_gains.h"
 #include "hil/model/model_frame.h"
 #include "hil/model/row_step.h"
@@ -193,8 +196,11 @@ Result<CampaignRows> take_rows(Campaign campaign, const EngineOptions& options) 
   const Channel* output = campaign.records.front().trace.find("U");
   const bool is_ratio = output != nullptr && output->quantity == "ratio";
   if (output != nullptr && !output->unit.empty() && (is_ratio || output->unit != "1")) w.unit = output->unit;
+  leave_out_missing_codes(campaign, w.input.notes);
   leave_out_absurd_force(campaign, options.threads, w.input.notes);
   w.scales = health_scales(campaign, options.threads);
+  if (w.unit == "V" && w.scales.gain_V_per_N < 0.0)
+    w.input.notes.push_back(fmt::format("the output falls as the force rises ({:.3g} V/N): so does a divider with the sensor below; else the force, or the output, has the wrong sign", w.scales.gain_V_per_N));
 
   struct Prepared {
     RecordHealth health;

@@ -201,8 +201,10 @@ std::vector<std::string> use_canonical_names(Trace& trace, const std::vector<std
     }
     if (n == 1) rename(*only, wanted.name, ", the only " + std::string(wanted.quantity));
   }
-  // a sensor that is read as counts, resistance or conductance: every law here is fitted in the output's own scale
-  if (!trace.find("U"))
+  // a sensor that is read as counts, resistance or conductance: every law here is fitted in the output's own scale. Of several voltages one is the
+  // output, and the current of a motor is not
+  const bool has_voltage = std::ranges::any_of(trace.channels, [](const Channel& c) { return c.quantity == "voltage" && known_channel(c.name) == nullptr; });
+  if (!trace.find("U") && !has_voltage)
     for (const char* quantity : {"code", "conductance", "resistance", "current"}) {
       const auto is_output = [&](const Channel& channel) { return channel.quantity == quantity; };
       if (std::count_if(trace.channels.begin(), trace.channels.end(), is_output) != 1) continue;

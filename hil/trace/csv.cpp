@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <map>
 #include <optional>
 
 #include "hil/base/plain_number.h"
@@ -106,6 +107,20 @@ std::vector<ColumnMeaning> meanings_of(const CsvTable& table, const CsvOptions& 
     meanings.push_back(std::move(meaning));
   }
   return meanings;
+}
+
+// What --map names can be one column only: the others would be left out without a word.
+Result<void> check_mapped_once(const CsvTable& table, const std::vector<ColumnMeaning>& meanings, const CsvOptions& options, const std::string& where) {
+  std::map<std::string, std::string> header_of_name;
+  for (std::size_t c = 0; c < meanings.size(); ++c) {
+    const auto mapped = options.column_map.find(table.columns[c].header);
+    if (mapped == options.column_map.end() || mapped->second == "unused") continue;
+    const auto [first, is_new] = header_of_name.emplace(known_name(meanings[c].name), table.columns[c].header);
+    if (!is_new)
+      return fail(ErrorCode::usage, "columns \"" + first->second + "\" and \"" + table.columns[c].header + "\" are both mapped to " + first->first, where,
+                  "map one of them, and the other one in another call");
+  }
+  return {};
 }
 
 /// The first column that is called a clock, else the first one that holds dates or times of day, else the only one of time where no rate is
@@ -212,6 +227,7 @@ Result<TraceFile> trace_of_table(CsvTable table, const std::string& where, const
   out.trace.name = name;
   out.header_line = table.header_line;
   std::vector<ColumnMeaning> meanings = meanings_of(table, options, out);
+  FORCEGATE_CHECK_OK(check_mapped_once(table, meanings, options, where));
   const std::size_t clock_column = find_clock(table, meanings, options, out.notes);
   add_dates(table.text_columns, clock_column < table.columns.size() ? &table.columns[clock_column] : nullptr, unused_texts(table, options, out), out.notes);
   FORCEGATE_CHECK_OK(check_text_columns(table, where, options));

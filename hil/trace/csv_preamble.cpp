@@ -66,12 +66,20 @@ bool holds_unit(const std::vector<std::string_view>& cells) {
   return std::ranges::any_of(cells, [](std::string_view cell) { return find_unit(unit_text(cell)).has_value(); });
 }
 
+// Its lines of origins and steps (X0, Delta_X) are a word and as many numbers, as rows below X_Dimension would be.
+std::size_t below_labview_head(const std::vector<Line>& lines) {
+  std::size_t out = 0;
+  for (std::size_t i = 0; i < lines.size(); ++i)
+    if (trim(lines[i].text).starts_with("***End_of_Header***")) out = i + 1;
+  return out;
+}
+
 }  // namespace
 
 std::size_t lines_above_header(std::string_view text) {
   if (lines_of_words_below_names(text) > 0) return 0;  // the units that end them are no names
   const std::vector<Line> lines = first_lines(text);
-  for (std::size_t i = 0; i + 2 < lines.size(); ++i) {
+  for (std::size_t i = below_labview_head(lines); i + 2 < lines.size(); ++i) {
     const char separator = choose_separator(lines[i].text);
     const std::vector<std::string_view> names = cells_of(lines[i].text, separator);
     if (!are_names(names)) continue;

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "hil/app/mystery/mystery.h"
 #include "hil/base/plain_number.h"
 #include "hil/base/read_file.h"
@@ -70,6 +72,14 @@ std::string error_sentence(const hidden::Truth& truth, const Answer& answer) {
                      text(*before, unit), text(*after, unit), text(effect.heldout_rms, in_force ? "N" : "V"));
 }
 
+// Claims of what was not hidden.
+std::string claims_beside(const hidden::Truth& truth, const Answer& answer) {
+  std::string out;
+  for (const AnswerFinding& f : answer.findings)
+    if (f.claimed() && std::ranges::none_of(truth.effects, [&](const hidden::TruthEffect& e) { return e.name == f.effect; })) out += (out.empty() ? "" : " and ") + f.effect;
+  return out;
+}
+
 std::string sentence_of(const hidden::Truth& truth, const Answer& answer, const Score& s, bool right) {
   const std::string first = answer.findings.empty() ? answer.verdict : answer.findings.front().effect;
   if (right && truth.effects.empty()) return "Right: nothing was hidden.";
@@ -79,6 +89,7 @@ std::string sentence_of(const hidden::Truth& truth, const Answer& answer, const 
   if (!right && s.rank > 1) text += fmt::format(" It stands at place {} of the findings.", s.rank);
   if (!right && s.look_alike) text += " The answer says that the two cannot be told apart here.";
   if (s.rank > 0 && !s.side_right) text += " The side is wrong.";
+  if (s.false_claims > 0 && s.rank > 0) text += " The answer also claims " + claims_beside(truth, answer) + ", which " + (s.false_claims > 1 ? "were" : "was") + " not hidden.";
   if (s.named) text += error_sentence(truth, answer);
   if (!right && !truth.effects.empty() && !truth.effects[0].excited)
     text += " The records did not excite it: nobody could have known.";

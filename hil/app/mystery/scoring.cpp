@@ -113,6 +113,8 @@ Answer answer_of(const std::string& effect) {
 
 double Reduction::share() const { return std::clamp((before - after) / (before - twin), -1.0, 1.0); }
 
+bool AnswerFinding::claimed() const { return probability >= kClaim; }
+
 Score score(const hidden::Truth& truth, const Answer& answer, const TwinErrors* twin) {
   Score s;
   const bool foreign = truth.foreign(), clean = truth.effects.empty();
@@ -128,7 +130,7 @@ Score score(const hidden::Truth& truth, const Answer& answer, const TwinErrors* 
         s.rank = static_cast<int>(i) + 1;
         s.side_right = finding.side.empty() || accepts_side(*hit, finding.side);
       }
-    } else if (finding.probability >= kClaim) {
+    } else if (finding.claimed()) {
       ++s.false_claims;
       if (elsewhere && !clean && finding.side == "sensor") s.sensor_blamed = true;
     }

@@ -17,6 +17,8 @@ struct AnswerFinding {
   std::string effect, side;
   double probability = 1.0;
   std::vector<std::string> confounded_with;
+
+  bool claimed() const;  ///< at even odds or better
 };
 
 /// One row of the engine's screening, where it tells it.

@@ -6,12 +6,6 @@
 
 namespace forcegate {
 
-namespace {
-
-constexpr double kLatest_s = 60.0;
-
-}  // namespace
-
 Option model_row() {
   return {.name = "model",
           .value_name = "MODEL",

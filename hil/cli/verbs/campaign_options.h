@@ -6,6 +6,9 @@
 
 namespace forcegate {
 
+/// Bound of --late either way, s.
+inline constexpr double kLatest_s = 60.0;
+
 /// --model.
 Option model_row();
 /// --map, --rate, --late, --threads: how the files of a campaign are read and how many threads work on it.

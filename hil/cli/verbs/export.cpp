@@ -9,6 +9,7 @@
 
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
+#include "hil/cli/verbs/campaign_options.h"
 #include "hil/cli/verbs/force_row.h"
 
 namespace forcegate {
@@ -32,6 +33,7 @@ std::string line_after(const Invocation& in, const ExportResult& answer) {
 std::string refit_on_checked(const Invocation& in) {
   std::string out = "forcegate fit " + shell_quoted(in.text("check")) + " --model " + shell_quoted(in.text("MODEL"));
   for (const std::string& map : in.texts("map")) out += " --map " + shell_quoted(map);
+  if (in.given("late")) out += " --late " + in.text("late");
   return out + " -o " + shell_quoted(better_model_name(in.text("MODEL")));
 }
 
@@ -46,16 +48,18 @@ Result<int> run(const Invocation& in) {
   if (in.given("reference-temperature")) {
     FORCEGATE_TRY(request.reference_temperature_C, in.number("reference-temperature", -273.0, 1000.0));
   }
-  if (in.given("check")) {
-    request.check.emplace();
-    request.check->campaign = in.text("check");
-    request.check->maps = in.texts("map");
-  }
-  if (in.given("fit")) {
-    request.fit.emplace();
-    request.fit->campaign = in.text("fit");
-    request.fit->maps = in.texts("map");
-  }
+  FORCEGATE_TRY(const double late_s, in.number("late", -kLatest_s, kLatest_s));
+  const auto campaign = [&](const char* option) {
+    std::optional<CampaignRequest> out;
+    if (!in.given(option)) return out;
+    out.emplace();
+    out->campaign = in.text(option);
+    out->maps = in.texts("map");
+    out->late_s = late_s;
+    return out;
+  };
+  request.check = campaign("check");
+  request.fit = campaign("fit");
   if (in.given("output") && !in.given("fit"))
     return fail(ErrorCode::usage, "-o names the model file that --fit writes", "-o " + in.text("output"), "the header is --c FILE");
   request.fitted = in.text("output");
@@ -121,6 +125,7 @@ const Registration<Command> kRow{Command{
          {.name = "reference-temperature",
           .value_name = "DEGC",
           .doc = "Where a thermal effect is zero, for a model file that does not say; forcegate fit and --fit write it."},
+         {.name = "late", .value_name = "S", .doc = "The output of the campaign is so late behind the force, seconds: it is set as much earlier.", .fallback = "0"},
          {.name = "map",
           .value_name = "COLUMN=NAME",
           .doc = "Foreign column of the campaign.",

@@ -11,6 +11,7 @@
 #include "hil/diagnose/between/outlasting.h"
 #include "hil/diagnose/between/record_chance.h"
 #include "hil/diagnose/between/record_questions.h"
+#include "hil/diagnose/choose/probability.h"
 #include "hil/model/lagged_channel.h"
 #include "hil/model/record_input.h"
 
@@ -176,8 +177,13 @@ double least_explained(const ResidualChannel& channel, int variant, bool with_ti
   return unknown_steps(candidate_of(channel, variant)) > 1 ? kOfSeveralSteps : with_time ? rules.between_course_fall : rules.between_fall;
 }
 
-Refusal objection(const ResidualChannel& channel, const RecordEvidence& records, bool with_time, const SelectionRules& rules) {
-  if (!records.valid || records.gain < rules.between_gain) return Refusal::too_little_evidence;
+// Nats that leave even odds.
+double least_gain(const CampaignInput& input, const ResidualChannel& channel, int variant, const SelectionRules& rules) {
+  return cause_differs(input, candidate_of(channel, variant)) ? rules.recorded_cause_gain : rules.between_gain;
+}
+
+Refusal objection(const CampaignInput& input, const ResidualChannel& channel, const RecordEvidence& records, bool with_time, const SelectionRules& rules) {
+  if (!records.valid || records.gain < least_gain(input, channel, records.variant, rules)) return Refusal::too_little_evidence;
   if (records.explained < least_explained(channel, records.variant, with_time, rules)) return Refusal::records_scatter_on;
   if (records.left_out > rules.between_left_out) return Refusal::helps_no_left_levels;
   return Refusal::none;
@@ -335,7 +341,7 @@ RecordTest test_records(const CampaignInput& input, const ResidualChannel& chann
   constexpr int kDraws = 19999;
   RecordTest out;
   const bool with_time = only_goes_with_time(channel, family);
-  out.objection = objection(channel, family.records, with_time, rules);
+  out.objection = objection(input, channel, family.records, with_time, rules);
   if (out.objection == Refusal::none && with_time && family.kind->name != "wear" && family.kind->name != "mounting" && !input.has_start_times)
     out.objection = Refusal::start_unknown;
   if (out.objection != Refusal::none) return out;
@@ -362,7 +368,7 @@ double visible_between_records(const CampaignInput& input, const ResidualChannel
   const auto passes = [&](double size) {
     series.value = rest + size / rms * added;
     const RecordEvidence shown = evidence(channel, levels, asked).evidence;
-    return objection(channel, shown, with_time, rules) == Refusal::none &&
+    return objection(input, channel, shown, with_time, rules) == Refusal::none &&
            !as_good_by_chance(chance(channel, levels, asked, shown.variant, family.kind->name, kDraws), *candidate_of(channel, shown.variant).form, rules);
   };
   double low = 1e-5, high = 0.5;

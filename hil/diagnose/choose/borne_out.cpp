@@ -27,6 +27,16 @@ bool knows_strength(const MixedFit& fit, const std::vector<int>& columns) {
   return std::ranges::any_of(columns, [&](int column) { return std::abs(fit.strength_of(column)) > kErrors * fit.standard_error_of(column); });
 }
 
+// One record alone has the effect: the others, left out or not, know nothing of its strength, and no error moves. Blocks of that record are
+// what was left out then.
+bool only_blocks_tell(const CrossFit& left_out, const std::vector<double>& before, const std::vector<double>& after) {
+  constexpr double kMoves = 0.005;  // of a mean square
+  if (!left_out.blocks || left_out.improved < 2 || left_out.improved < left_out.excited || !left_out.helps()) return false;
+  for (std::size_t i = 0; i < before.size(); ++i)
+    if (std::abs(after[i] - before[i]) > kMoves * before[i]) return false;
+  return true;
+}
+
 }  // namespace
 
 void measure_left_out(const Workspace& w, const ResidualChannel& channel, Selection& selection, bool stands_in) {
@@ -34,17 +44,20 @@ void measure_left_out(const Workspace& w, const ResidualChannel& channel, Select
   constexpr double kPlainly = 0.7, kHardly = 0.995, kAboutTheSame = 1.02, kPlainlyWorse = 1.2;
   const MixedFit* before = &selection.base;
   for (ChosenEffect& chosen : selection.chosen) {
-    const auto error = [&](const MixedFit& fit) {
-      auto square = chosen.between ? judge_levels(channel, fit, selection.base, w.judges) : judge(channel, fit, selection.base, w.judges).adapted;
-      set_unforetold_aside(channel, chosen.variant, w.judges, square);
-      return channel.scale * std::sqrt(judged(channel, square, w.judges));
+    const auto squares = [&](const MixedFit& fit) {
+      auto out = chosen.between ? judge_levels(channel, fit, selection.base, w.judges) : judge(channel, fit, selection.base, w.judges).adapted;
+      set_unforetold_aside(channel, chosen.variant, w.judges, out);
+      return out;
     };
-    chosen.error_before = error(*before);
-    chosen.error_after = error(chosen.fit);
+    const auto error = [&](const std::vector<double>& square) { return channel.scale * std::sqrt(judged(channel, square, w.judges)); };
+    const std::vector<double> squares_before = squares(*before), squares_after = squares(chosen.fit);
+    chosen.error_before = error(squares_before);
+    chosen.error_after = error(squares_after);
     // what is seen in few held-out records may leave their mean as it was; between records, and where every record is left out in turn, the
     // mean itself is the evidence
     // of one recording every part is asked, and what it has shows in their error
-    const double in_records = w.input.single ? kHardly : w.judges == JudgedBy::left_out ? 1.0 : kAboutTheSame;
+    const bool mean_tells = w.judges == JudgedBy::left_out && !only_blocks_tell(chosen.left_out, squares_before, squares_after);
+    const double in_records = w.input.single ? kHardly : mean_tells ? 1.0 : kAboutTheSame;
     const double keeps = chosen.between && !chosen.by_records() ? kLeast : stands_in ? kHardly : in_records;
     chosen.borne_out = chosen.describes_whole || chosen.error_after <= keeps * chosen.error_before;
     // seen in held-out records alone: the fit records know nothing of it, and predict nothing

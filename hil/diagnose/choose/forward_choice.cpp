@@ -8,6 +8,7 @@
 #include "hil/diagnose/between/between_records.h"
 #include "hil/diagnose/between/mounting_places.h"
 #include "hil/diagnose/choose/objection.h"
+#include "hil/diagnose/choose/partner.h"
 #include "hil/diagnose/choose/reference_latency.h"
 #include "hil/diagnose/choose/refine.h"
 #include "hil/diagnose/choose/shares.h"
@@ -56,6 +57,15 @@ class ForwardChoice {
         continue;
       }
       if (why == Refusal::leads && lead.plain() && shift_s(channel_, family) > allowed_latency_s_) tell_lead(shift_s(channel_, family));
+      const bool is_no_fit = why == Refusal::differs || why == Refusal::helps_no_records || why == Refusal::helps_no_parts;
+      if (is_no_fit && out_.chosen.empty() && place_ == 0 && !chosen.between && !rules_.forms_are_rough) {
+        if (std::optional<Partner> partner = partner_of(input_, channel_, present_, taken_, result_, family, rules_, threads_)) {
+          result_ = std::move(partner->beside);
+          place_ = partner->place;
+          if (!take(result_.families[place_], partner->chosen)) return;
+          continue;
+        }
+      }
       if (!(why == Refusal::none ? take(family, chosen) : turn_down(family, why))) return;
       if (forms_ == Forms::all && !out_.chosen.empty()) return;
     }

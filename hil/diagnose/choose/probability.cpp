@@ -8,11 +8,8 @@
 
 namespace forcegate::diagnose {
 
-namespace {
-
-// Whether what was recorded of the effect's cause differs plainly between the records.
-bool cause_differs(const CampaignInput& campaign, const ChannelFacts& channel, const ChosenEffect& chosen) {
-  const RecordedCause& cause = candidate_of(channel, chosen.variant).form->cause;
+bool cause_differs(const CampaignInput& campaign, const Candidate& candidate) {
+  const RecordedCause& cause = candidate.form->cause;
   if (!cause.of_record) return false;
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (const RecordInput& r : campaign.records)
@@ -20,12 +17,10 @@ bool cause_differs(const CampaignInput& campaign, const ChannelFacts& channel, c
   return high - low >= cause.plain;
 }
 
-}  // namespace
-
 double probability_that_real(const CampaignInput& input, const ChannelFacts& channel, const ChosenEffect& chosen) {
   constexpr double kPlain = 40.0;  // nats
   if (!chosen.by_records()) return chosen.stands_out ? 0.75 : chosen.gain > kPlain ? 0.98 : 0.90;
-  const double prior_odds = cause_differs(input, channel, chosen) ? 0.25 : 0.0625;
+  const double prior_odds = cause_differs(input, candidate_of(channel, chosen.variant)) ? 0.25 : 0.0625;
   double factor = std::exp(std::min(50.0, chosen.gain));
   if (chosen.gain <= chosen.records.gain) factor = std::min(factor, bayes_factor_bound(chosen.chance));
   const double odds = prior_odds * factor;

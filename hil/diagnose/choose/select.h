@@ -61,6 +61,7 @@ struct SelectionRules {
   std::map<std::string, double> form_gain;  ///< forms of what every bench does a little must reach more
   double between_gain =
       3.0;  ///< nats. Prior odds of a given effect of this kind are 1 : 16: even odds are left
+  double recorded_cause_gain = 1.4;  ///< the same where its cause was recorded and differs plainly: prior odds of 1 : 4
   double between_fall = 0.5;  ///< share of the spread between records (a variance) that it must explain
   double between_course_fall =
       0.75;  ///< the same where it follows no record of its cause: sessions of a bench look alike

@@ -75,6 +75,8 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
   double samples = 0.0, missing = 0.0, reference_missing = 0.0, missing_variance = 0.0, outliers = 0.0, held = 0.0, zeros = 0.0, fallen = 0.0, rail = 0.0;
   double outlier_square_V2 = 0.0;
   bool plainly_held = false;
+  std::size_t silent_runs = 0, with_silent = 0;
+  double silent = 0.0;
   std::size_t with_outliers = 0, with_any_outlier = 0, with_held = 0, with_zeros = 0, zero_runs = 0, with_missing = 0, missing_runs = 0, far_holds = 0, with_far_holds = 0, lasting_holds = 0;
   double rail_V = 0.0, bit_errors = 0.0;
   std::size_t with_bit_errors = 0;
@@ -85,6 +87,9 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
     held += static_cast<double>(h.held);
     zeros += static_cast<double>(h.zeros);
     (lone_are_spikes ? outliers : zeros) += static_cast<double>(h.lone_zeros);
+    silent_runs += h.silent_runs;
+    with_silent += h.silent_runs > 0 ? 1 : 0;
+    silent += static_cast<double>(h.silent);
     missing += static_cast<double>(h.missing);
     missing_runs += h.missing_runs;
     reference_missing += static_cast<double>(h.reference_missing);
@@ -163,6 +168,9 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
   const bool are_long = zeros >= kLong * static_cast<double>(zero_runs);
   const bool plain_zeros = !lone_are_spikes && ((with_zeros >= several && zero_runs >= (are_long ? kFewestLong : kFewestZeros)) || fallen >= kLongLoss);
   const bool plain_holds = !codes.found && ((far_holds >= kFewestLong && with_far_holds >= several) || lasting_holds >= kFewestLong);
+  constexpr std::size_t kFewestSilent = 4;
+  const bool plain_silence = !codes.found && silent_runs >= kFewestSilent && with_silent >= several;
+  if (plain_silence) held += silent;
   // a sample that is missing here and there is noted, and so is a logger that loses cells of every column; an output that goes missing again
   // and again in most records, and plainly more than the reference does, loses samples
   constexpr std::size_t kFewestRuns = 10;
@@ -173,7 +181,7 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
                    percent(missing / samples) + " of the samples of the output are missing while the reference goes on" +
                        (reference_missing > 0.0 ? ", " + percent(reference_missing / samples) + " of the reference's alone" : ""),
                    "share", "1", more / samples, u_more / samples});
-  else if (plain_zeros || plain_holds || ((held + zeros) / samples > kShare && held + zeros >= 20 && (with_held >= 2 || !many_records || plainly_held)))
+  else if (plain_zeros || plain_holds || plain_silence || ((held + zeros) / samples > kShare && held + zeros >= 20 && (with_held >= 2 || !many_records || plainly_held)))
     out.push_back(
         {"dropouts", 0.95,
          percent((held + zeros) / samples) + " of the samples are held or zero where the force says otherwise",

@@ -19,6 +19,7 @@
 #include "hil/diagnose/raw/reference_scatter.h"
 #include "hil/diagnose/raw/sample_noise.h"
 #include "hil/diagnose/raw/short_spikes.h"
+#include "hil/diagnose/raw/silent_runs.h"
 #include "hil/diagnose/raw/suspect_runs.h"
 #include "hil/model/came_in.h"
 #include "hil/model/record_input.h"
@@ -324,6 +325,14 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
     if (run.begin > 0) out.runs.push_back({U[run.begin], U[run.begin - 1], length, run.error_V});
     (run.why == BadSample::rail ? out.at_rail : out.held) += length;
     if (run.why == BadSample::rail) out.rail_V = U[run.begin];
+  }
+  for (const SilentRun& run : find_silent_runs(U, out.lsb_U_V, out.noise_U_V)) {
+    const auto is = [&](BadSample why) { return out.bad[run.begin] == static_cast<std::uint8_t>(why); };
+    if (!is(BadSample::none) && !is(BadSample::held)) continue;
+    ++out.silent_runs;
+    if (is(BadSample::held)) continue;
+    out.silent += run.end - run.begin;
+    for (std::size_t k = run.begin; k < run.end; ++k) mark(k, BadSample::held, 0.0);
   }
   count_zeros(scales.thrown || !short_spikes.empty(), lone_fall, out);
   out.bad_mean_square_V2 /= static_cast<double>(n);

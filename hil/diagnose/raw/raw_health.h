@@ -54,6 +54,7 @@ struct RecordHealth {
   ReferenceScatter scatter_F;               ///< of the reference beside the output, coloured noise included
   double lsb_U_V = 0.0, lsb_F_N = 0.0;      ///< step of the values, 0 when none is visible
   double rail_V = 0.0;                      ///< voltage of the flat tops, when there are some
+  std::size_t silent_runs = 0, silent = 0;  ///< of one code where noise goes over the codes (silent_runs.h), and their samples: not in `held`
   std::vector<HeldRun> runs;                ///< those that `held` and `at_rail` count
   double top_V = 0.0;                       ///< largest output
   double hum_V = 0.0, hum_Hz = 0.0, hum_ratio = 0.0;  ///< strongest mains line, as sampled, and its power over its neighbours

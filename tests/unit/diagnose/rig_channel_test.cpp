@@ -96,6 +96,15 @@ TEST(RigChannel, AWheelThatBouncesInItsFastestRecordHasLeftTheSensorInTheOthers)
   EXPECT_EQ(claims(diagnose(bench)), "contact_loss ");
 }
 
+// The others, each left out in turn, know nothing of a gap, and their error stays what it was.
+TEST(RigChannel, AGapInOneRecordAloneIsContactLoss) {
+  for (const int of : {1, 3, 5}) {
+    Bench bench;
+    bench.seat_N = [of](int n) { return n == of ? -0.7 - 0.075 * n : 0.0; };
+    EXPECT_EQ(claims(diagnose(bench)), "contact_loss ") << of;
+  }
+}
+
 // A preload that is larger than declared opens no contact.
 TEST(RigChannel, AForceBesideTheDeclaredPreloadOpensNoContact) {
   Bench bench;

@@ -21,6 +21,7 @@ struct Bench {
   std::array<double, 7> turns_Hz = {0.0, 0.4, 0.0, 1.5, 0.0, 3.0, 0.0};  // 0: slowly to and fro
   std::function<double(int)> eccentricity_mm = [](int) { return 6.0; };
   std::function<double(double, double, double)> push = [](double, double, double) { return 0.0; };  // N, seen by the sensor
+  std::function<double(double)> output_V = [](double U) { return U; };  // of the straight sensor's
   double lift_N = 0.0;                                                  // the wheel stands so far back
   std::function<double(double)> reads_N = [](double F) { return F; };    // the reference, of the force
   std::function<double(double)> zero_N = [](double) { return 0.0; };    // of the reference, in campaign time
@@ -85,7 +86,7 @@ inline Campaign turning(const Bench& bench) {
       F_ref.push_back(std::round((bench.reads_N(late) + bench.zero_N(*r.start_s + t) + 0.003 * rng.normal()) /
                                  bench.resolution_N) *
                       bench.resolution_N);
-      U.push_back(2.0 * (F + bench.push(F, e, th)) + 0.2 + 0.003 * rng.normal());
+      U.push_back(bench.output_V(2.0 * (F + bench.push(F, e, th)) + 0.2) + 0.003 * rng.normal());
     }
     r.trace.time_bases.push_back(clock);
     r.trace.channels.push_back({"F_ref", "N", "force", 0, F_ref, {}});

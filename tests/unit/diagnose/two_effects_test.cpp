@@ -2,6 +2,7 @@
 #include <numeric>
 
 #include "tests/unit/diagnose/made_campaign.h"
+#include "tests/unit/diagnose/turning_bench.h"
 
 namespace forcegate::diagnose {
 namespace {
@@ -38,6 +39,16 @@ TEST(TwoEffects, ACurveAndAGrowthOfTheSameSizeAreBothNamed) {
       EXPECT_LT(square(s.after), square(s.before)) << f.effect << " against " << s.x_name;
     }
   }
+}
+
+// Records that reach the rail show another strength of the push than those that do not, and neither is a fit alone.
+TEST(TwoEffects, APushFromTheSideBesideARailIsNamedAsWell) {
+  Bench bench;
+  bench.push = [](double, double e, double th) { return 0.01 * e * std::sin(th); };
+  bench.output_V = [](double U) { return 3.0 - 0.05 * std::log1p(std::exp((3.0 - U) / 0.05)); };
+  const Diagnosis d = diagnose(bench);
+  EXPECT_TRUE(claims(d, "off_axis")) << told(d);
+  EXPECT_TRUE(claims(d, "clipping")) << told(d);
 }
 
 // A loop of stick and slip whose form no family has, and a slow growth across it.

@@ -187,6 +187,7 @@ TEST(LoggerFiles, ALineOfUnitsThatContradictsTheNamesIsAnError) {
 TEST(LoggerFiles, LabViewMeasurementsAreRead) {
   const std::string head =
       "LabVIEW Measurement\t\nSeparator\tTab\nX_Columns\tOne\n***End_of_Header***\t\n\t\nChannels\t2\t\t\nSamples\t3\t3\t\nY_Unit_Label\tmN\tmV\t\n"
+      "X_Dimension\tTime\tTime\t\nX0\t0.0000000000000000E+0\t0.0000000000000000E+0\t\nDelta_X\t0.100000\t0.100000\t\n"
       "***End_of_Header***\t\t\t\nX_Value\tForce\tVoltage\tComment\n";
   const auto f = read(head + "0.0\t1500\t2000\n0.1\t2500\t3000\ttouched\n0.2\t500\t3000\n");
   EXPECT_EQ(force(f), (std::vector<double>{1.5, 2.5, 0.5}));

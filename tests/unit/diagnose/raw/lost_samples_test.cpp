@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "tests/unit/diagnose/made_campaign.h"
 
@@ -43,6 +44,32 @@ TEST(LostSamples, OneRecordThatHoldsAgainAndAgainIsEnoughWhereTheOthersAreSlow) 
   ASSERT_EQ(claims.size(), 1u);
   EXPECT_EQ(claims[0].effect, "dropouts");
   EXPECT_TRUE(held(5).empty()) << "a hand on the cable";
+}
+
+// Whatever the force does meanwhile: the noise would have gone on.
+TEST(LostSamples, OneCodeForLongIsHeldWhereNoiseGoesOverTheCodes) {
+  const auto held = [](std::size_t each) {
+    Campaign c = make_campaign(39, straight);
+    for (const std::size_t k : {1u, 2u}) {  // a staircase and a hold
+      auto& U = c.records[k].trace.find("U")->value;
+      for (std::size_t j = 0; j < each; ++j)
+        for (std::size_t i = 0; i < 24; ++i) U[4030 + 2400 * j + i] = U[4030 + 2400 * j];
+    }
+    return claims_of_samples(c);
+  };
+  EXPECT_TRUE(held(0).empty());
+  EXPECT_TRUE(held(1).empty()) << "a hand on the cable";
+  const std::vector<HealthClaim> claims = held(3);
+  ASSERT_EQ(claims.size(), 1u);
+  EXPECT_EQ(claims[0].effect, "dropouts");
+}
+
+TEST(LostSamples, AnOutputThatStandsStillWheneverItComesByHoldsNothing) {
+  Campaign c = make_campaign(39, straight);
+  for (const std::size_t k : {0u, 1u, 4u, 5u})
+    for (double& U : c.records[k].trace.find("U")->value)
+      if (std::abs(U - 4.0) < 0.05) U = 4.0029296875;  // a code of twelve bits of 10 V
+  for (const HealthClaim& claim : claims_of_samples(c)) EXPECT_NE(claim.effect, "dropouts");
 }
 
 TEST(LostSamples, TwoHoldsThatTheForceLeavesFarBehindAreEnoughInOneRecord) {

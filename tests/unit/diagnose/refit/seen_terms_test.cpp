@@ -55,7 +55,9 @@ TEST(SeenTerms, AreTheOnlyOnesThatAModelGets) {
     ASSERT_NE(form, nullptr);
     for (std::size_t k = 0; k < form->memory_s.size(); ++k) {
       any = true;
-      if (form->memory_s[k] > 240.0) EXPECT_EQ(effect.strength[k].value, 0.0) << form->strength[k].name;
+      if (form->memory_s[k] > 240.0) {
+        EXPECT_EQ(effect.strength[k].value, 0.0) << form->strength[k].name;
+      }
     }
   }
   EXPECT_TRUE(any);

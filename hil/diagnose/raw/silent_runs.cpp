@@ -1,0 +1,62 @@
+#include "hil/diagnose/raw/silent_runs.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hil/diagnose/raw/range_ends.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+// Pairs of neighbours by the level of their first sample, and how many of them are equal.
+class PairsByLevel {
+ public:
+  PairsByLevel(std::span<const double> U, double low, double high) : low_(low), width_((high - low) / kBins), all_(kBins, 0.0), equal_(kBins, 0.0) {
+    for (std::size_t i = 0; i + 1 < U.size(); ++i) {
+      if (!std::isfinite(U[i]) || !std::isfinite(U[i + 1])) continue;
+      all_[bin(U[i])] += 1.0;
+      equal_[bin(U[i])] += U[i + 1] == U[i] ? 1.0 : 0.0;
+    }
+  }
+
+  struct Pairs {
+    double all = 0.0, equal = 0.0;
+  };
+  Pairs near(double U, double reach) const {
+    Pairs out;
+    for (std::size_t k = bin(U - reach); k <= bin(U + reach); ++k) out.all += all_[k], out.equal += equal_[k];
+    return out;
+  }
+
+ private:
+  static constexpr std::size_t kBins = 400;
+  std::size_t bin(double U) const { return static_cast<std::size_t>(std::clamp((U - low_) / width_, 0.0, kBins - 1.0)); }
+
+  double low_, width_;
+  std::vector<double> all_, equal_;
+};
+
+}  // namespace
+
+std::vector<SilentRun> find_silent_runs(std::span<const double> U, double lsb_V, double noise_V) {
+  constexpr std::size_t kShortest = 8;  // samples
+  constexpr double kEnds = 2.5, kReach = 0.01, kSigmas = 4.0, kFewestPairs = 100.0, kTimesAsMany = 3.0, kByChance = 1e-6;
+  std::vector<SilentRun> out;
+  const auto [low, high] = spread_of_present(U);
+  if (!(lsb_V > 0.0) || !(noise_V > lsb_V) || !(high > low)) return out;
+  const PairsByLevel pairs(U, low, high);
+  const double reach = std::max(kReach * (high - low), kSigmas * noise_V), n = static_cast<double>(U.size());
+  for (std::size_t begin = 0, end = 0; begin < U.size(); begin = end) {
+    for (end = begin + 1; end < U.size() && U[end] == U[begin];) ++end;
+    if (end - begin < kShortest || begin == 0 || end == U.size() || U[begin] < low + kEnds * lsb_V || U[begin] > high - kEnds * lsb_V) continue;
+    const double own = static_cast<double>(end - begin - 1);
+    const auto [all, equal] = pairs.near(U[begin], reach);
+    if (all - own < std::max(kFewestPairs, kTimesAsMany * own)) continue;
+    const double p = (1.0 + equal - own) / (2.0 + all - own);
+    if (std::log(n) + own * std::log(p) < std::log(kByChance)) out.push_back({begin, end});
+  }
+  return out;
+}
+
+}  // namespace forcegate::diagnose
