@@ -123,8 +123,9 @@ class GateRun {
       if (!one.superseded)
         pairs.push_back({&setup_.plan.cases[one.case_index], &one.record, player_->accepted(one.job),
                          &one.judged.checks});
-    compared_ = compare_with_accepted(setup_.plan, *accepted_, setup_.rig.emulated || is_one_recording(), pairs);
+    compared_ = compare_with_accepted(setup_.plan, limits_, *accepted_, setup_.rig.emulated || is_one_recording(), pairs);
     panel_.insert(panel_.end(), compared_.begin(), compared_.end());
+    charge_compared(setup_.plan, player_->records(), panel_);
     std::vector<JudgedCheck*> all = all_checks(panel_, player_->records());
     apply_rule(setup_.plan.rule, all);
   }
