@@ -124,8 +124,7 @@ void RecordMeasurement::finish(const Stimulus& stimulus) {
   record_.hold = hold_.finish();
   record_.waveform = waveform_.finish();
   lag_.finish(record_.lag_s, record_.u_lag_s);
-  double unused = 0.0;
-  lag_.finish_raw(record_.raw_lag_s, unused);
+  record_.raw_lag_s = lag_.raw_lag_s();
   if (const LagDrift d = lag_.drift(); std::isfinite(d.drift_ppm))
     record_.rig.details["sensor behind reference"] = fmt::format(
         "{:.2f} ms in the first half of the record, {:.2f} ms in the second: {:+.1f} ppm, u = {:.1f} ppm",
