@@ -65,7 +65,7 @@ void RecordMeasurement::push(const RigBlock& block, std::span<const float> dut_N
   digest_.update(flags.data(), n);
   witness_.push(block, n, commanded_rad_per_s);
   output_.push(b);
-  if (record_.rig.can_move && job_.planned.checks & kCheckHold) hold_.push(b);
+  if (job_.planned.checks & kCheckHold) hold_.push(b);
   lag_.push(b);
   waveform_.push(block, dut_N.data(), n);
   if (block.t_s[0] < kBeginning_s) look_at_beginning(block, n);

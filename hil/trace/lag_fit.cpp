@@ -84,6 +84,8 @@ void LagSearch::close() {
       for (std::size_t k = 0; k <= kMost; ++k) {
         const double b = together(behind_[k]), a = together(ahead_[k]);
         if (std::max(a, b) < best - kAlike) continue;
+        const auto& side = b >= a ? behind_ : ahead_;
+        while (k < kMost && side[k + 1] > side[k]) ++k;
         lags_s_.push_back((b >= a ? 1.0 : -1.0) * static_cast<double>(k * kEach) * step_s_);
         break;
       }

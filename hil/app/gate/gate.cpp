@@ -58,6 +58,7 @@ class GateRun {
       FORCEGATE_TRY(limits_, read_limits(request_.limits_file));
       limits_path_ = request_.limits_file;
       result_.notes.push_back(fmt::format("limits from {}", request_.limits_file.string()));
+      note_another_rig();
       return {};
     }
     if (plan.limits.derived.empty()) return {};
@@ -70,7 +71,14 @@ class GateRun {
     }
     FORCEGATE_TRY(limits_, read_limits(path));
     limits_path_ = path;
+    note_another_rig();
     return {};
+  }
+
+  void note_another_rig() {
+    if (!limits_.by_case_and_check.empty() && !limits_.of_rig(setup_.rig))
+      result_.notes.push_back(fmt::format("the limits were derived on the rig {}, this one is {}/{}: the systematic uncertainty counts in full against them", printable_utf8(limits_.rig),
+                                          setup_.rig.name, setup_.rig.version));
   }
 
   void head() {

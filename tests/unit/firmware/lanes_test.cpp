@@ -157,9 +157,9 @@ TEST_F(Lanes, TimeInWhichTheEmulatorWasStoppedIsNotTheImages) {
     EXPECT_EQ(got.error().code, ErrorCode::timeout) << lane << ": " << got.error().to_text();
   }
   const std::filesystem::path late = folder.path() / "late";
-  std::ofstream(late) << "#!/bin/sh\n(sleep 1.5; kill -CONT $$) &\nkill -STOP $$\nexec " << find_program("qemu-system-arm")->string() << " \"$@\"\n";
+  std::ofstream(late) << "#!/bin/sh\n(sleep 3; kill -CONT $$) &\nkill -STOP $$\nexec " << find_program("qemu-system-arm")->string() << " \"$@\"\n";
   std::filesystem::permissions(late, std::filesystem::perms::owner_all);
-  const auto dut = make_dut("block", {{"qemu", late.string()}, {"timeout_s", "1"}});
+  const auto dut = make_dut("block", {{"qemu", late.string()}, {"timeout_s", "2.5"}});
   const auto opened = (*dut)->open(session_of(image("reference-m4f.block.elf"), calibration_));
   EXPECT_TRUE(opened) << opened.error().to_text();
 }
