@@ -90,6 +90,7 @@ TEST_F(Trust, a_rig_fault_on_either_side_of_a_comparison_rejects_nobody) {
   for (const std::string& accepted : {spoiled, std::string(folder / "alone.json")}) {
     EXPECT_EQ(exit_of(kGood, {"--accepted", accepted}), 3) << accepted;
     EXPECT_THAT(read_text(folder / "new/result.json"), HasSubstr("give a run on a sound rig"));
+    EXPECT_EQ(run({"check", folder / "new"}).exit_code, 3) << "judged again it is the same";
   }
 }
 

@@ -43,7 +43,10 @@ RunResult with_compared(RunResult head, const std::vector<JudgedCheck>& compared
 
 std::vector<JudgedCheck> take_compared(RunResult& head) {
   std::vector<JudgedCheck> compared;
-  for (Check& check : head.checks) compared.push_back({.check = std::move(check)});
+  for (Check& check : head.checks) {
+    const bool open = check.blame == Blame::none;  // one without a partner has its verdict and whom to ask
+    compared.push_back({.check = std::move(check), .judgeable = open});
+  }
   head.checks.clear();
   return compared;
 }
