@@ -3,9 +3,9 @@
 // visible.
 
 #include <array>
-#include <chrono>
 #include <cmath>
 
+#include "adapters/emulator/answer_wait.h"
 #include "adapters/emulator/qemu.h"
 #include "adapters/link/frame.h"
 #include "adapters/link/messages.h"
@@ -47,7 +47,7 @@ class UartDut final : public Dut {
         {"-chardev", "socket,id=uart,path=" + path.string() + ",server=off", "-serial", "chardev:uart"}));
     FORCEGATE_TRY(transport_, listener.accept_peer(timeout_s_));
     if (transport_ == nullptr)
-      return Unexpected(qemu_.dead() ? qemu_.death(where_) : silent("no connection"));
+      return Unexpected(qemu_.dead() ? qemu_.death(where_) : Error{ErrorCode::timeout, "the emulator does not connect its serial port within " + shortest(timeout_s_) + " s", where_, {}});
     FORCEGATE_CHECK_OK(receive(link::Type::info));  // the device speaks first
     FORCEGATE_TRY(DutInfo info, handshake(session));
     FORCEGATE_CHECK_OK(link::check_build_id(image, info.build_id, where_));
@@ -115,10 +115,7 @@ class UartDut final : public Dut {
   }
 
  private:
-  Error silent(const std::string& what) const {
-    return Error{ErrorCode::firmware, "the image gives no answer for " + shortest(timeout_s_) + " s: " + what,
-                 where_, "look for an endless loop, or for a UART that was never enabled"};
-  }
+  static constexpr const char* kSilent = "look for an endless loop, or for a UART that was never enabled";
 
   Result<DutInfo> handshake(const DutSession& session) {
     FORCEGATE_CHECK_OK(send(link::Type::hello, link::hello_payload(session.nonce)));
@@ -205,8 +202,9 @@ class UartDut final : public Dut {
 
   Result<void> write(const std::vector<std::uint8_t>& bytes) {
     auto sent = transport_->write(bytes, timeout_s_);
-    if (!sent) return Unexpected(qemu_.dead() ? qemu_.death(where_) : silent(sent.error().text));
-    return {};
+    if (sent) return {};
+    // The emulator takes bytes off its socket whatever the image does; what it does not take is not the image's.
+    return Unexpected(qemu_.dead() ? qemu_.death(where_) : Error{ErrorCode::timeout, "the emulator takes no bytes: " + sent.error().text, where_, {}});
   }
 
   Result<void> send(link::Type type, std::vector<std::uint8_t> payload) {
@@ -221,7 +219,7 @@ class UartDut final : public Dut {
 
   /// The next frame of either type; EVENT frames pass by, a NAK that was not asked for is an error.
   Result<link::Frame> receive(link::Type wanted, link::Type other) {
-    const auto start = std::chrono::steady_clock::now();
+    AnswerWait wait(qemu_.id(), timeout_s_);
     for (;;) {
       link::ParseResult parsed = link::parse(stream_);
       stream_.erase(stream_.begin(), stream_.begin() + static_cast<std::ptrdiff_t>(parsed.consumed));
@@ -234,9 +232,9 @@ class UartDut final : public Dut {
         ++counters_.frames_bad;
         continue;
       }
-      if (std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() > timeout_s_)
-        return Unexpected(silent("a frame of type " + std::to_string(static_cast<int>(wanted)) +
-                                 " is missing, " + std::to_string(counters_.frames_bad) + " damaged frames"));
+      FORCEGATE_CHECK_OK(wait.look(": a frame of type " + std::to_string(static_cast<int>(wanted)) + " is missing, " +
+                                       std::to_string(counters_.frames_bad) + " damaged frames",
+                                   where_, kSilent));
       std::uint8_t chunk[4096];
       auto n = transport_->read(chunk, 0.1);
       if (!n || (*n == 0 && qemu_.dead())) {

@@ -6,9 +6,10 @@
 #include <unistd.h>
 
 #include <bit>
-#include <chrono>
 #include <cstring>
+#include <optional>
 
+#include "adapters/emulator/answer_wait.h"
 #include "adapters/emulator/qemu.h"
 #include "adapters/transport/descriptor.h"
 #include "hil/base/text.h"
@@ -244,11 +245,10 @@ class BlockDut final : public Dut {
     });
   }
 
-  /// Moves `size` bytes; the image has timeout_s_ for each step and is looked after every 100 ms.
+  /// Moves `size` bytes; the image has timeout_s_ for each step (AnswerWait) and is looked after every 100 ms.
   template <class Step>
   Result<void> move(std::size_t size, short events, int fd, Step step) {
-    using Clock = std::chrono::steady_clock;
-    auto last = Clock::now();
+    std::optional<AnswerWait> wait;  // the answer is mostly there at once
     bool waited = false;
     while (size > 0) {
       if (!waited && events == POLLIN) {  // the answer is hardly ever there already
@@ -258,16 +258,15 @@ class BlockDut final : public Dut {
       const ssize_t n = step(size);
       if (n > 0) {
         size -= static_cast<std::size_t>(n);
-        if (waited) last = Clock::now();
+        if (waited) wait.reset();
         waited = false;
         continue;
       }
       if (errno == EINTR) continue;
       if (errno != EAGAIN) return fail(ErrorCode::io, "named pipe: " + system_text(errno), where_);
       if (qemu_.dead()) return Unexpected(qemu_.death(where_));
-      if (std::chrono::duration<double>(Clock::now() - last).count() > timeout_s_)
-        return fail(ErrorCode::firmware, "the image gives no answer for " + shortest(timeout_s_) + " s",
-                    where_, "look for an endless loop or a wait for an interrupt that never comes");
+      if (!wait) wait.emplace(qemu_.id(), timeout_s_);
+      FORCEGATE_CHECK_OK(wait->look("", where_, "look for an endless loop or a wait for an interrupt that never comes"));
       pollfd p{fd, events, 0};
       poll(&p, 1, 100);
       waited = true;

@@ -29,6 +29,7 @@ class Qemu {
                      const std::vector<std::string>& extra);
   Result<void> make_folder();
   const std::filesystem::path& folder() const { return folder_->path(); }
+  pid_t id() const { return child_.id(); }
   bool dead() { return child_.ended().has_value(); }
   /// ErrorCode::firmware: "the image ended: killed by signal 6 (Aborted): qemu: fatal: Lockup ...".
   Error death(const std::string& where);

@@ -93,11 +93,10 @@ class CalibrationRun {
     const bool ours = error.where.empty();  // the rig says which device
     const CaseFailure::Stage stage =
         ours && error.code == ErrorCode::internal ? CaseFailure::Stage::harness
-        : ours && (error.code == ErrorCode::cancelled || error.code == ErrorCode::timeout)
-            ? CaseFailure::Stage::setup
-            : CaseFailure::Stage::rig;
+        : ours && error.code == ErrorCode::cancelled ? CaseFailure::Stage::setup
+                                                     : CaseFailure::Stage::rig;
     if (ours) error.where = job_.id;
-    Blame blame = Blame::none;
+    Blame blame = ours && error.code == ErrorCode::timeout ? Blame::link : Blame::none;  // cut short, as of a record
     if (error.code == ErrorCode::device && played.samples > 0 && device_of(error.where).empty()) {
       const auto checks = self_check(played.rig, played.observed);
       if (const Check* bad = first_unsound(checks)) blame = bad->blame;

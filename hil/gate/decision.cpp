@@ -29,7 +29,7 @@ bool truly_passed(const Check& c, const DecisionRule& rule) {
 
 // Titles that say how it should be; beside what happened they would read as the opposite of the decision.
 bool title_is_a_promise(const Check& c) {
-  constexpr std::string_view kPromises[] = {"firmware_runs", "rig_runs", "safety_stop", "time_base", "record"};
+  constexpr std::string_view kPromises[] = {"firmware_runs", "session", "rig_runs", "safety_stop", "time_base", "record"};
   return std::find(std::begin(kPromises), std::end(kPromises), c.id) != std::end(kPromises);
 }
 
@@ -173,7 +173,7 @@ Decision decide(std::span<const Check* const> checks, const DecisionRule& rule, 
     return d;
   }
   if (!rig.empty()) {
-    const Check* root = cause(rig, {"rig_", "link_", "time_base", "firmware_runs", "safety_stop"});
+    const Check* root = cause(rig, {"rig_", "link_", "time_base", "coverage", "firmware_runs", "session", "safety_stop"});
     const Check& first = root != nullptr ? *root : *worst(rig);
     Blame blame = first.blame == Blame::none ? Blame::rig : first.blame;
     if (events.of_recording && (blame == Blame::link || blame == Blame::rig)) blame = Blame::recording;

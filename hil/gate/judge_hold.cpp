@@ -18,7 +18,9 @@ void judge_hold(const Plan& plan, const PlanCase& planned, const CaseRecord& rec
   }
   if (h.seconds <= 0.0 || !(std::fabs(h.raw_N) > 0.05)) {
     checks.final_check("hold_amplification", "Amplification of a static hold", Verdict::not_run,
-                       Blame::user, "the profile holds no force for more than 30 s after cycling");
+                       record.rig.can_move ? Blame::user : Blame::recording,
+                       record.rig.can_move ? "the profile holds no force for more than 30 s after cycling"
+                                           : "the recording has no set-point (F_cmd_N) that stands still for more than 30 s after cycling, and a hold is told by that alone");
     return;
   }
   const double excess_pct = 100.0 * (h.dut_N / h.raw_N - 1.0);

@@ -135,6 +135,11 @@ class InputJudge {
         checks_.complete ? fmt::format("{} samples, {:.0f} s", have, record_.duration_s)
                          : fmt::format("the record is truncated: {} of {} samples", have, want));
     if (!checks_.complete && charged_) c.required = false;  // the stop itself is the finding
+    if (!checks_.complete && !charged_ && record_.rig.can_move && !record_.safety.stopped()) {
+      checks_.list.back().judgeable = false;
+      c.verdict = Verdict::rig_error;  // played again it may be whole
+      c.blame = checks_.rig_sound ? Blame::link : checks_.rig_blame;
+    }
     extrema_count();
     if (found_.calibration_fits || !checks_.complete) return;
     checks_.complete = false;

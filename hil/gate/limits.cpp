@@ -25,6 +25,11 @@ bool follows(const DerivedLimit& limit) {
 
 }  // namespace
 
+bool DerivedLimits::of_rig(const RigInfo& info) const {
+  const std::string version = info.name + "/" + info.version;
+  return rig.empty() || rig == version || rig == version + " " + info.id;
+}
+
 Limit DerivedLimits::find(const std::string& case_name, const std::string& check_id) const {
   const auto at = by_case_and_check.find({case_name, check_id});
   if (at == by_case_and_check.end()) return {};

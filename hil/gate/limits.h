@@ -10,6 +10,7 @@
 
 #include "hil/base/result.h"
 #include "hil/interface/check.h"
+#include "hil/interface/rig.h"
 
 namespace forcegate {
 
@@ -28,6 +29,9 @@ DerivedLimit derive_limit(const std::vector<double>& values, double sd, std::str
 struct DerivedLimits {
   std::string plan, firmware_sha256, rig, date;
   std::map<std::pair<std::string, std::string>, DerivedLimit> by_case_and_check;
+
+  /// Whether they were derived on this rig, by name, version and, where they name one, id. Of limits that name no rig: yes.
+  bool of_rig(const RigInfo& rig) const;
 
   /// Kind none when there is no limit for this case and check.
   Limit find(const std::string& case_name, const std::string& check_id) const;

@@ -65,7 +65,7 @@ void RecordMeasurement::push(const RigBlock& block, std::span<const float> dut_N
   digest_.update(flags.data(), n);
   witness_.push(block, n, commanded_rad_per_s);
   output_.push(b);
-  if (record_.rig.can_move && job_.planned.checks & kCheckHold) hold_.push(b);
+  if (job_.planned.checks & kCheckHold) hold_.push(b);
   lag_.push(b);
   waveform_.push(block, dut_N.data(), n);
   if (block.t_s[0] < kBeginning_s) look_at_beginning(block, n);
@@ -124,8 +124,7 @@ void RecordMeasurement::finish(const Stimulus& stimulus) {
   record_.hold = hold_.finish();
   record_.waveform = waveform_.finish();
   lag_.finish(record_.lag_s, record_.u_lag_s);
-  double unused = 0.0;
-  lag_.finish_raw(record_.raw_lag_s, unused);
+  record_.raw_lag_s = lag_.raw_lag_s();
   if (const LagDrift d = lag_.drift(); std::isfinite(d.drift_ppm))
     record_.rig.details["sensor behind reference"] = fmt::format(
         "{:.2f} ms in the first half of the record, {:.2f} ms in the second: {:+.1f} ppm, u = {:.1f} ppm",

@@ -38,8 +38,35 @@ Errors errors_of(const PlanCase& planned, const CaseRecord& record, bool maximum
 
 }  // namespace
 
+NoPartner no_partner(const std::string& record, std::span<const Check> accepted, bool stored) {
+  const auto first = [&](auto is) {
+    const auto at = std::find_if(accepted.begin(), accepted.end(), is);
+    return at == accepted.end() ? nullptr : &*at;
+  };
+  const auto words = [](const Check& c) { return c.evidence.empty() ? c.title : c.evidence; };
+  const Check* const dead = first([](const Check& c) { return c.id == "firmware_runs" && c.verdict == Verdict::fail; });
+  if (dead != nullptr)
+    return {Verdict::not_run, Blame::user, fmt::format("the accepted build gives no record {}: {}; give one that runs (--accepted)", record, words(*dead))};
+  const Check* const rig = first([](const Check& c) { return c.required && c.verdict == Verdict::rig_error; });
+  if (rig != nullptr && stored)
+    return {Verdict::not_run, Blame::user,
+            fmt::format("the rig was at fault in {} of the accepted run: {}; give a run on a sound rig (--accepted)", record, words(*rig))};
+  if (rig != nullptr)
+    return {Verdict::rig_error, rig->blame == Blame::none ? Blame::rig : rig->blame,
+            fmt::format("the rig was at fault in the accepted build's record of {}: {}", record, words(*rig))};
+  const Check* const missing = first([](const Check& c) { return c.id == "record" && c.verdict == Verdict::not_run; });
+  if (missing != nullptr)
+    return {Verdict::not_run, missing->blame, fmt::format("the accepted build's record of {} was not played: {}", record, words(*missing))};
+  const Check* const part = first([](const Check& c) {
+    return (c.id == "coverage" || c.id == "extrema_count" || c.id == "rig_calibration_fits") && c.verdict == Verdict::inconclusive;
+  });
+  if (part != nullptr)
+    return {Verdict::inconclusive, stored ? Blame::user : part->blame, fmt::format("{} of the accepted build is no whole record: {}", record, words(*part))};
+  return {};
+}
+
 std::vector<ErrorIncrease> error_increases(const Plan& plan, const PlanCase& planned,
-                                           const CaseRecord& candidate, const CaseRecord& accepted) {
+                                           const CaseRecord& candidate, const CaseRecord& accepted, const NoPartner& partner) {
   std::vector<ErrorIncrease> out;
   if (!compared(planned)) return out;
   const double low_N = minima_N(planned, candidate);
@@ -51,7 +78,7 @@ std::vector<ErrorIncrease> error_increases(const Plan& plan, const PlanCase& pla
     e.record = candidate.id;
     e.maximum = maximum;
     e.increase_pct = kNan;
-    if (accepted.failure && accepted.failure->error.code == ErrorCode::firmware) e.accepted_failed = accepted.failure->error.text;
+    e.no_partner = partner;
     const Errors a = errors_of(planned, candidate, maximum, from_s),
                  b = errors_of(planned, accepted, maximum, from_s);
     bool pairs = !candidate.failure && !accepted.failure && a.t_s.size() == b.t_s.size() && a.t_s.size() > 1;
@@ -87,13 +114,13 @@ std::vector<ErrorIncrease> error_increases(const PlanCase& planned, const std::s
     return nullptr;
   };
   const bool promise = (planned.checks & kCheckPromise) != 0;
+  const NoPartner partner = no_partner(record, accepted.checks, true);
   for (const bool maximum : {true, false}) {
     const char* id = maximum ? "mre_maxima" : "mre_minima";
     const JudgedCheck* const judged = own(id);
     const Check *a = judged != nullptr ? &judged->check : nullptr, *b = find(accepted.checks, id);
-    const Check* const runs = find(accepted.checks, "firmware_runs");
-    if (runs != nullptr && runs->verdict == Verdict::fail) {
-      out.push_back({planned.name, record, maximum, kNan, 0.0, 0, runs->evidence});
+    if (partner.verdict != Verdict::pass) {
+      out.push_back({planned.name, record, maximum, kNan, 0.0, 0, partner});
       continue;
     }
     // In a closed loop no single record is judged; in an open one a missing limit means that mae is judged
@@ -149,13 +176,14 @@ std::vector<JudgedCheck> judge_no_worse(const Plan& plan, std::span<const ErrorI
     c.evidence = std::isfinite(c.value)
                      ? fmt::format("{} records, worst {:+.3f} points on {}", group.size(), worst, at->record)
                      : "not every record of the two builds has its partner";
-    for (const ErrorIncrease* e : group) {
-      if (e->accepted_failed.empty()) continue;
-      j.judgeable = false;  // nothing to compare with says nothing of the candidate
-      c.verdict = Verdict::not_run;
-      c.blame = Blame::user;
-      c.evidence = fmt::format("the accepted build gives no record {}: {}; give one that runs (--accepted)", e->record, e->accepted_failed);
-      break;
+    const auto alone = std::find_if(group.begin(), group.end(), [](const ErrorIncrease* e) { return e->no_partner.verdict != Verdict::pass; });
+    if (alone != group.end()) {  // nothing to compare with says nothing of the candidate
+      const NoPartner& why = (*alone)->no_partner;
+      j.judgeable = false;
+      c.verdict = why.verdict;
+      c.blame = why.blame;
+      c.evidence = why.evidence;
+      c.value = kNan;
     }
     out.push_back(std::move(j));
   }

@@ -21,19 +21,30 @@
 
 namespace forcegate {
 
+/// Why a record of the accepted build carries no comparison; pass: it does.
+struct NoPartner {
+  Verdict verdict = Verdict::pass;
+  Blame blame = Blame::none;
+  std::string evidence;
+};
+
+/// From the checks of that record. Its rig at fault: of one that was played now as of any record, of a stored one (`stored`)
+/// whoever gave it, for played again it is the same.
+NoPartner no_partner(const std::string& record, std::span<const Check> accepted, bool stored);
+
 struct ErrorIncrease {
   std::string case_name, record;
   bool maximum = true;
   double increase_pct = 0.0;  ///< NaN when one of the two gave no value
   double u_pct = 0.0;
   std::size_t n = 0;
-  std::string accepted_failed;  ///< why the accepted build gave no record here; "" when it did
+  NoPartner no_partner;
 };
 
 /// Two from each pair of records: maxima and minima; none when the case judges no accuracy, or its minima by
-/// their absolute error.
+/// their absolute error. `partner`: what no_partner() found of the accepted one.
 std::vector<ErrorIncrease> error_increases(const Plan& plan, const PlanCase& planned,
-                                           const CaseRecord& candidate, const CaseRecord& accepted);
+                                           const CaseRecord& candidate, const CaseRecord& accepted, const NoPartner& partner = {});
 
 /// From the values of a stored run of the accepted build; u of both in squares, since the pairs are gone. Where the rig
 /// repeats itself the systematic parts of both are one and the same and cancel.

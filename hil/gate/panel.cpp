@@ -14,7 +14,9 @@ namespace {
 struct PanelTable {
   std::vector<std::vector<double>> values;
   double u_systematic = 0.0, explained = 0.0;  // of the worst session, mean over the records
-  bool relative = true, whole = true, rig_error = false;
+  bool relative = true, whole = true;
+  Blame missing = Blame::user;    // who is asked for the values that are not there: the profile has none of them
+  bool rig_error = false;
   std::size_t records = 0;
 };
 
@@ -25,10 +27,11 @@ PanelTable table_of(bool maximum, const std::vector<SpecimenSessions>& specimens
     for (const JudgedCase* session : one.sessions) {
       const PanelValue& v = maximum ? session->maxima : session->minima;
       table.relative = table.relative && v.unit == "%";
-      table.rig_error = table.rig_error ||
-                        std::any_of(session->checks.begin(), session->checks.end(), [](const JudgedCheck& j) {
-                          return j.check.required && j.check.verdict == Verdict::rig_error;
-                        });
+      for (const JudgedCheck& j : session->checks) {
+        if (!j.check.required) continue;
+        if (j.check.verdict == Verdict::rig_error && !table.rig_error) table.rig_error = true, table.missing = j.check.blame;
+        if (j.check.verdict == Verdict::fail && !table.rig_error) table.missing = Blame::firmware;
+      }
       if (!v.usable || !std::isfinite(v.value)) continue;
       row.push_back(v.value);
       table.u_systematic = std::max(table.u_systematic, v.u_systematic);
@@ -68,11 +71,12 @@ JudgedCheck promise(const Plan& plan, const PlanCase& planned, bool maximum,
   c.value = m.mean;
   if (!table.relative || !table.whole || means.empty()) {
     j.judgeable = false;
+    c.value = std::numeric_limits<double>::quiet_NaN();  // newtons, or the mean of a part
     c.verdict = table.rig_error ? Verdict::rig_error : Verdict::inconclusive;
-    c.blame = table.rig_error ? Blame::rig : Blame::firmware;
+    c.blame = table.missing == Blame::none ? Blame::rig : table.missing;
     c.evidence = table.relative
                      ? fmt::format("{} records of {} specimens gave a value", table.records, specimens.size())
-                     : "the profile's minima are too small for a relative error";
+                     : fmt::format("the profile's minima are below {:g} N, too small for a relative error", plan.limits.minima_floor_N);
     return j;
   }
   const double n = static_cast<double>(means.size());

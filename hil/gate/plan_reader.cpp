@@ -75,6 +75,18 @@ Result<void> below_the_stop(const Plan& plan, double highest_N, const std::strin
               where, "lower it, or raise force_max_N of [safety]");
 }
 
+// The firmware and the ATI are averaged over an extremum, the set-point they are held against is not: 0.6 % of a swing at the most.
+Result<void> averages_little(const PlanCase& c, const std::string& where) {
+  constexpr double kOfPeriod = 0.03;
+  double f_Hz = 0.0;
+  if (const auto one = c.stimulus.numbers.find("f_Hz"); one != c.stimulus.numbers.end()) f_Hz = one->second;
+  if (const auto many = c.stimulus.lists.find("f_Hz"); many != c.stimulus.lists.end())
+    for (const double f : many->second) f_Hz = std::max(f_Hz, f);
+  if (!(c.half_width_s * f_Hz > kOfPeriod)) return {};
+  return fail(ErrorCode::config, fmt::format("half_width_ms of case '{}' averages over more of its period of {} ms than an extremum is wide", c.name, shortest(1000.0 / f_Hz)), where,
+              fmt::format("give at most {} ms, {} of the period", shortest(1000.0 * kOfPeriod / f_Hz), shortest(kOfPeriod)));
+}
+
 double highest_N(const StimulusSpec& spec) {
   const auto made = make_stimulus(spec);
   return made ? (*made)->facts().maximum_N : std::numeric_limits<double>::quiet_NaN();
@@ -158,7 +170,8 @@ Result<PlanCase> read_case(const ConfigNode& node, const Plan& plan) {
   r.number("rest_before_s", c.rest_before_s = plan.calibration.rest_s, 0.0, 1e9);
   r.number("prominence_N", c.prominence_N, 0.01, 5.0);
   double half_width_ms = 1000.0 * c.half_width_s;
-  if (r.number("half_width_ms", half_width_ms, 0.0, 1000.0)) c.half_width_s = half_width_ms / 1000.0;
+  const bool own_width = r.number("half_width_ms", half_width_ms, 0.0, 1000.0);
+  if (own_width) c.half_width_s = half_width_ms / 1000.0;
   r.number("tail_s", c.tail_s, 0.0, kDay_s);
   r.number("prelude_s", c.prelude_s, 0.0, kDay_s);
   double limit = 0.0;
@@ -176,6 +189,7 @@ Result<PlanCase> read_case(const ConfigNode& node, const Plan& plan) {
   FORCEGATE_CHECK_OK(r.finish());
   FORCEGATE_TRY(c.stimulus, read_stimulus(*stimulus, mix_seed(plan.seed, "stimulus/" + c.name)));
   FORCEGATE_CHECK_OK(below_the_stop(plan, highest_N(c.stimulus), "the profile of case '" + c.name + "'", stimulus->where));
+  if (own_width) FORCEGATE_CHECK_OK(averages_little(c, node.find("half_width_ms")->where));
   return c;
 }
 

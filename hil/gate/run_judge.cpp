@@ -17,6 +17,12 @@ const Check* rig_fault(const std::vector<JudgedCheck>& checks) {
   return nullptr;
 }
 
+Blame cut_short_by(const std::vector<JudgedCheck>& checks) {
+  for (const JudgedCheck& j : checks)
+    if (j.check.verdict == Verdict::inconclusive && !j.judgeable && j.check.blame != Blame::none) return j.check.blame;
+  return Blame::user;
+}
+
 // Checks of others obey the order of a record's own: rig first. One of them that finds the rig at fault takes the record
 // out of the judgement.
 void add_checks(const std::vector<JudgedCheck>& others, JudgedCase& one) {
@@ -79,10 +85,27 @@ std::vector<JudgedCheck> judge_records(const Plan& plan, const DerivedLimits& li
   return of_run;
 }
 
+void charge_compared(const Plan& plan, const std::vector<PlayedRecord>& records, std::vector<JudgedCheck>& of_run) {
+  for (JudgedCheck& j : of_run) {
+    if (!j.judgeable || !j.check.id.starts_with("no_worse_")) continue;
+    for (const PlayedRecord& one : records) {
+      if (one.superseded || one.judged.sound || !j.check.id.ends_with("/" + plan.cases[one.case_index].name)) continue;
+      const Check* const rig = rig_fault(one.judged.checks);
+      if (rig == nullptr && one.record.failure) continue;  // the record has no value at all
+      j.judgeable = false;
+      j.check.verdict = rig != nullptr ? Verdict::rig_error : Verdict::inconclusive;
+      j.check.blame = rig != nullptr ? rig->blame : cut_short_by(one.judged.checks);
+      j.check.evidence = fmt::format("{} {}", one.record.id, rig != nullptr ? "was spoiled by its rig" : "is no whole record on a calibration that fits");
+      if (rig != nullptr) break;
+    }
+  }
+}
+
 std::vector<JudgedCheck> judge_material(RunMaterial& material, const ChecksByRecord& others) {
   std::vector<JudgedCheck> of_run = judge_records(material.plan, material.limits, material.records, others);
   of_run.insert(of_run.end(), material.compared.begin(), material.compared.end());
   if (material.compared.empty()) return of_run;
+  charge_compared(material.plan, material.records, of_run);
   std::vector<JudgedCheck*> all = all_checks(of_run, material.records);
   apply_rule(material.plan.rule, all);  // again: the rule runs over all checks together
   return of_run;

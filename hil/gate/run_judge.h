@@ -45,6 +45,10 @@ const Check* charge_rig(std::vector<JudgedCheck>& checks);
 std::vector<JudgedCheck> judge_records(const Plan& plan, const DerivedLimits& limits,
                                        std::vector<PlayedRecord>& records, const ChecksByRecord& others = {});
 
+/// Checks "no_worse_*/CASE" among `of_run`: where a record of the case was spoiled by its rig, or is no whole one, they say so and
+/// are not judged.
+void charge_compared(const Plan& plan, const std::vector<PlayedRecord>& records, std::vector<JudgedCheck>& of_run);
+
 /// The same of a whole run, with what was compared.
 std::vector<JudgedCheck> judge_material(RunMaterial& material, const ChecksByRecord& others = {});
 

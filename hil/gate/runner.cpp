@@ -108,7 +108,11 @@ class CaseRun {
 
     if (devices_.comparator != nullptr) {
       ComparatorSession c{opened->algorithm_id, job_.calibration, rate_Hz};
-      if (auto begun = devices_.comparator->begin(c); !begun) return failed(Stage::harness, begun.error());
+      if (auto begun = devices_.comparator->begin(c); !begun) {
+        if (begun.error().code != ErrorCode::config) return failed(Stage::harness, begun.error());
+        return failed(Stage::firmware, {ErrorCode::firmware, "the image declares an algorithm that is not what it runs: " + begun.error().text, job_.image,
+                                        "declare an id of its own (docs/protocol.md)"});
+      }
       record_.conformance_known = true;
     }
     if (devices_.writer != nullptr)

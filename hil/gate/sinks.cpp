@@ -192,9 +192,16 @@ HoldFacts HoldWatch::finish() const {
 void LagEstimator::begin(double rate_Hz, double from_s, double until_s) {
   *this = LagEstimator();
   firmware_ = raw_ = raw_first_ = raw_second_ = LagFit(kGroup / rate_Hz);
+  raw_far_ = LagSearch(kGroup / rate_Hz);
   from_s_ = from_s;
   between_s_ = 0.5 * (until_s - from_s);
   half_s_ = from_s + between_s_;
+}
+
+double LagEstimator::raw_lag_s() const {
+  double lag_s = 0.0, unused = 0.0;
+  raw_.finish(lag_s, unused);
+  return std::isfinite(lag_s) ? lag_s : raw_far_.finish();
 }
 
 LagDrift LagEstimator::drift() const {
@@ -228,6 +235,7 @@ void LagEstimator::push(const RecordBlock& b) {
       raw_first_ = raw_;
     }
     raw_.push(x, sum_raw / kGroup);
+    raw_far_.push(x, sum_raw / kGroup);
     if (second_half_) raw_second_.push(x, sum_raw / kGroup);
     filled = 0;
     sum_x = sum_y = sum_raw = 0.0;

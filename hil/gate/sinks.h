@@ -81,7 +81,8 @@ class LagEstimator {
   void push(const RecordBlock& block);
   /// NaN when the force hardly moves.
   void finish(double& lag_s, double& u_lag_s) const { firmware_.finish(lag_s, u_lag_s); }
-  void finish_raw(double& lag_s, double& u_lag_s) const { raw_.finish(lag_s, u_lag_s); }
+  /// Where the raw force is too late for a fit (a quarter of a period), by search.
+  double raw_lag_s() const;
   LagDrift drift() const;
 
  private:
@@ -90,6 +91,7 @@ class LagEstimator {
   int filled_ = 0;
   double sum_x_ = 0.0, sum_y_ = 0.0, sum_raw_ = 0.0;
   LagFit firmware_, raw_, raw_first_, raw_second_;
+  LagSearch raw_far_;
 };
 
 /// Curves for pictures: `columns` pixel columns, each with the rows that hold first, last and the extremes of

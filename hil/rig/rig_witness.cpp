@@ -44,7 +44,7 @@ void RigWitness::push_rows(const RigBlock& block, std::size_t n, const float* co
 void RigWitness::push(const RigBlock& block, std::size_t n, const float* commanded) {
   if (n == 0) return;
   time_.push(block.t_s.data(), n);
-  codes_.push(block.adc.data(), block.status.data(), n);
+  codes_.push(block.adc.data(), block.status.data(), block.force_ref_N.data(), n);
   if (all_sound(block, n))
     push_rows<true>(block, n, commanded);
   else

@@ -41,6 +41,26 @@ class GateRecording : public ::testing::Test {
   }
 };
 
+// A hold is told by the set-point, which a recording of ours has; without that column it is said, and nobody is asked for a longer one.
+TEST_F(GateRecording, OfAHoldIsJudgedByItsSetPointAndWithoutOneSaysSo) {
+  const std::string csv = folder / "hold.csv", cal = folder / "cal.toml";
+  write_text(cal, "gain_N_per_V = 0.54196\noffset_N = 0.103906\nb_scale = 1.04885\nq_scale = 0.98853\nlevel = \"identified\"\n");
+  const ProcessResult kept = forcegate({"gate", kNative, "--plan", "smoke", "--case", "hold_after_cycling", "--keep", "-o", folder / "kept"}, kHere);
+  ASSERT_EQ(kept.exit_code, 0) << kept.out << kept.err;
+  ASSERT_EQ(forcegate({"convert", folder / "kept/traces/hold_after_cycling@q50.h5", csv}, kHere).exit_code, 0);
+  const auto hold = [&](std::vector<std::string> line) {
+    line.insert(line.end(), {"--plan", "smoke", "--case", "hold_after_cycling", "--cal", cal});
+    for (const Json& check : checks(line))
+      if (check["id"] == "hold_amplification") return check;
+    return Json();
+  };
+  const Json judged = hold({csv});
+  EXPECT_EQ(judged["verdict"], "pass") << judged;
+  const Json untold = hold({csv, "--map", "F_cmd_N=unused"});
+  EXPECT_EQ(untold["verdict"], "not_run") << untold;
+  EXPECT_THAT(untold["evidence"].get<std::string>(), HasSubstr("no set-point (F_cmd_N)"));
+}
+
 TEST_F(GateRecording, IsTheSameAsCsvHdf5AndMat) {
   const std::string csv = sine("run.csv", "F_ref_N", 1.0), h5 = folder / "run.h5", mat = folder / "run.mat";
   for (const std::string& to : {h5, mat}) ASSERT_EQ(forcegate({"convert", csv, to}, kHere).exit_code, 0);

@@ -75,6 +75,17 @@ TEST_F(Gate, ASaturatedReferenceIsARigFaultAndNeverBlamesTheBuild) {
   EXPECT_NE(decision["blame"], "firmware");
 }
 
+// The loop swings through the rails of the converter then: what is late there is no fit of a few milliseconds.
+TEST_F(Gate, LateCodesInAClosedLoopAreTheLinksAndASlowFirmwareItsOwn) {
+  for (const char* late : {"sensor_late=0.1", "sensor_late=0.3"}) {
+    const ProcessResult r = gate({kNative, "--case", "force_control_sine", "--fault", late, "-o", folder / "run"});
+    EXPECT_EQ(r.exit_code, 4) << r.out << r.err;
+    EXPECT_NE(result_in(folder / "run")["decision"]["blame"], "firmware") << late;
+  }
+  const ProcessResult slow = gate({FORCEGATE_BINARY_DIR "/firmware/mutants/delay_samples@100.native.so", "--case", "force_control_sine", "-o", folder / "run"});
+  EXPECT_EQ(slow.exit_code, 1) << slow.out;
+}
+
 TEST_F(Gate, ARigErrorIsPlayedAgainAndBothAttemptsAreShown) {
   const ProcessResult r = gate({kNative, "--case", "four_sines", "--fault", "reference_saturated=2.0",
                                 "--fault", "transient=1", "-o", folder / "run"});

@@ -7,6 +7,7 @@
 #include "hil/base/digest.h"
 #include "hil/base/rng.h"
 #include "hil/base/text.h"
+#include "hil/gate/judge.h"
 #include "hil/interface/dut.h"
 #include "hil/report/result_json.h"
 
@@ -94,16 +95,21 @@ std::string accepted_lane(const std::string& own, const AcceptedBuild& build) {
   return own;
 }
 
-std::vector<JudgedCheck> compare_with_accepted(const Plan& plan, const AcceptedBuild& build, bool rig_repeats,
+std::vector<JudgedCheck> compare_with_accepted(const Plan& plan, const DerivedLimits& limits, const AcceptedBuild& build, bool rig_repeats,
                                                std::span<const ComparedRecord> pairs) {
   std::vector<ErrorIncrease> all;
   for (const ComparedRecord& pair : pairs) {
     std::vector<ErrorIncrease> some;
     const std::string& id = pair.candidate->id;
-    if (!build.stored) {
-      some = error_increases(plan, *pair.planned, *pair.candidate, pair.accepted != nullptr ? *pair.accepted : CaseRecord{});
-    } else if (const auto at = build.records.find(id); at != build.records.end()) {
-      some = error_increases(plan, *pair.planned, *pair.candidate, at->second);
+    const auto at = build.records.find(id);
+    const CaseRecord* const accepted = build.stored ? at != build.records.end() ? &at->second : nullptr : pair.accepted;
+    if (accepted != nullptr) {
+      const JudgedCase judged = judge_case(plan, *pair.planned, *accepted, limits);  // its rig is asked as the candidate's is
+      std::vector<Check> checks;
+      for (const JudgedCheck& j : judged.checks) checks.push_back(j.check);
+      some = error_increases(plan, *pair.planned, *pair.candidate, *accepted, no_partner(id, checks, build.stored));
+    } else if (!build.stored) {
+      some = error_increases(plan, *pair.planned, *pair.candidate, CaseRecord{});
     } else {
       const auto theirs = std::find_if(build.run.cases.begin(), build.run.cases.end(), [&](const CaseResult& c) { return c.id == id; });
       const bool there = theirs != build.run.cases.end();

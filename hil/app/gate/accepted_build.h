@@ -9,6 +9,7 @@
 
 #include "hil/app/gate/gate.h"
 #include "hil/app/gate/gate_jobs.h"
+#include "hil/gate/limits.h"
 #include "hil/gate/no_worse.h"
 
 namespace forcegate {
@@ -43,7 +44,7 @@ struct ComparedRecord {
 
 /// Checks of the whole run, one of maxima and one of minima for each case; the decision rule is still to be
 /// applied. Sessions that a stored run did not have are left out: it has a first one of every record.
-std::vector<JudgedCheck> compare_with_accepted(const Plan& plan, const AcceptedBuild& build, bool rig_repeats,
+std::vector<JudgedCheck> compare_with_accepted(const Plan& plan, const DerivedLimits& limits, const AcceptedBuild& build, bool rig_repeats,
                                                std::span<const ComparedRecord> pairs);
 
 }  // namespace forcegate

@@ -60,6 +60,7 @@ class GateRun {
       FORCEGATE_TRY(limits_, read_limits(request_.limits_file));
       limits_path_ = request_.limits_file;
       result_.notes.push_back(fmt::format("limits from {}", request_.limits_file.string()));
+      note_another_rig();
       return {};
     }
     if (plan.limits.derived.empty()) return {};
@@ -72,7 +73,14 @@ class GateRun {
     }
     FORCEGATE_TRY(limits_, read_limits(path));
     limits_path_ = path;
+    note_another_rig();
     return {};
+  }
+
+  void note_another_rig() {
+    if (!limits_.by_case_and_check.empty() && !limits_.of_rig(setup_.rig))
+      result_.notes.push_back(fmt::format("the limits were derived on the rig {}, this one is {}/{}: the systematic uncertainty counts in full against them", printable_utf8(limits_.rig),
+                                          setup_.rig.name, setup_.rig.version));
   }
 
   void head() {
@@ -125,8 +133,9 @@ class GateRun {
       if (!one.superseded)
         pairs.push_back({&setup_.plan.cases[one.case_index], &one.record, player_->accepted(one.job),
                          &one.judged.checks});
-    compared_ = compare_with_accepted(setup_.plan, *accepted_, setup_.rig.emulated || is_one_recording(), pairs);
+    compared_ = compare_with_accepted(setup_.plan, limits_, *accepted_, setup_.rig.emulated || is_one_recording(), pairs);
     panel_.insert(panel_.end(), compared_.begin(), compared_.end());
+    charge_compared(setup_.plan, player_->records(), panel_);
     std::vector<JudgedCheck*> all = all_checks(panel_, player_->records());
     apply_rule(setup_.plan.rule, all);
   }

@@ -66,7 +66,9 @@ Result<void> remark_on(const Plan& plan, PlanEstimate& e) {
     const bool dynamic = made && (*made)->facts().dynamic;
     if (dynamic && c.checks & kCheckAccuracy && !c.maxima_pct && limits.find(c.name, "mre_maxima").kind == Limit::Kind::none)
       out.push_back("case " + c.name + " asks for an accuracy and has no limit: maxima_pct, minima_pct and limit_source, or forcegate limits");
-    if (dynamic && c.checks & kCheckAccuracy && (*made)->duration_s() <= (*made)->facts().excitation_start_s + plan.limits.learning_s)
+    if (dynamic && c.checks & kCheckPromise && (*made)->facts().mean_N - (*made)->facts().amplitude_N < plan.limits.minima_floor_N)
+      out.push_back(fmt::format("case {} has minima below {:g} N, which have no relative error: the check 'promise' is never decided", c.name, plan.limits.minima_floor_N));
+    if (dynamic && c.checks & (kCheckAccuracy | kCheckPromise) && (*made)->duration_s() <= (*made)->facts().excitation_start_s + plan.limits.learning_s)
       out.push_back(fmt::format("case {} ends within the start window of {:.4g} s: no extremum of it is judged", c.name, plan.limits.learning_s));
   }
   if (specimens == std::set<std::string>{kRecorded}) specimens.clear();  // never played on a rig

@@ -11,17 +11,20 @@
 namespace forcegate::characterize {
 namespace {
 
-// The image did not answer to the end: nothing else is known of it.
+// The image did not answer to the end: nothing else is known of it. As firmware_runs of a case gate: what is not the firmware's is
+// the link's, and our own defect nobody's verdict.
 JudgedCheck no_session(const Error& error, const std::string& case_id) {
+  const bool firmware = error.code == ErrorCode::firmware, ours = error.code == ErrorCode::internal, cancelled = error.code == ErrorCode::cancelled;
   JudgedCheck j;
+  j.judgeable = false;
   j.check = {.id = "session",
              .case_id = case_id,
              .title = "The image answers to the end of its session",
-             .value = 0.0,
-             .unit = "1",
-             .limit = {Limit::Kind::lower, 1.0, "docs/protocol.md"},
-             .blame = error.code == ErrorCode::firmware ? Blame::firmware : Blame::harness,
-             .evidence = error.text};
+             .value = std::numeric_limits<double>::quiet_NaN(),
+             .limit = {},
+             .verdict = firmware ? Verdict::fail : ours || cancelled ? Verdict::not_run : Verdict::rig_error,
+             .blame = firmware ? Blame::firmware : ours ? Blame::harness : cancelled ? Blame::user : Blame::link,
+             .evidence = cancelled ? "interrupted" : error.text};
   return j;
 }
 
@@ -81,10 +84,10 @@ std::vector<JudgedCheck> judge_material(WeightMaterial& m, const ChecksByRecord&
   }
   std::vector<JudgedCheck> of_run;
   if (complete) of_run = judge_pack(m.plan, frames, answers);
+  if (m.with_accepted && complete) of_run.push_back(compare_with_accepted(m));
   if (spoiled != nullptr)
     for (JudgedCheck& j : of_run)
       j.judgeable = false, j.check.verdict = Verdict::rig_error, j.check.blame = spoiled->blame;
-  if (m.with_accepted && complete) of_run.push_back(compare_with_accepted(m));
   std::vector<JudgedCheck*> all = all_checks(of_run, m.records);
   apply_rule(m.plan.rule, all);
   return of_run;
@@ -136,6 +139,11 @@ JudgedCheck compare_with_accepted(const WeightMaterial& m) {
     if (one.failure || one.accepted_N.size() != one.answers.force_N.size()) {
       c.value = std::numeric_limits<double>::quiet_NaN();
       c.evidence = "not every sensor of the two builds has its partner: " + m.head.cases[i].id;
+      if (one.failure) return j;
+      j.judgeable = false;  // nothing to compare with says nothing of the candidate
+      c.verdict = Verdict::not_run;
+      c.blame = Blame::user;
+      c.evidence = "the accepted build gives no answer for " + m.head.cases[i].id + "; give one that runs (--accepted)";
       return j;
     }
     const auto own = squared_error_by_loading_N2(m.plan, one.frames, one.answers.force_N),

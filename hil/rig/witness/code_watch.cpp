@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 #include "hil/interface/rig.h"
 
 namespace forcegate::witness {
 
-void CodeWatch::push(const std::uint16_t* code, const std::uint16_t* status, std::size_t n) {
+void CodeWatch::push(const std::uint16_t* code, const std::uint16_t* status, const float* force_N, std::size_t n) {
   std::uint16_t low = low_, high = high_, any = 0, all = 0xFFFF, trouble = 0;
   for (std::size_t i = 0; i < n; ++i) {
     low = std::min(low, code[i]);
@@ -23,8 +24,10 @@ void CodeWatch::push(const std::uint16_t* code, const std::uint16_t* status, std
   if (trouble == 0) return;
   for (std::size_t i = 0; i < n; ++i) {
     lost_ += (status[i] & kRigSampleLost) != 0;
-    reference_saturated_ += (status[i] & kRigReferenceSaturated) != 0;
-    reference_fault_ += (status[i] & kRigReferenceFault) != 0;
+    // A row is lost once: with an error, else without a value (NoiseWatch), else saturated.
+    const bool fault = (status[i] & kRigReferenceFault) != 0;
+    reference_fault_ += fault;
+    reference_saturated_ += !fault && (status[i] & kRigReferenceSaturated) != 0 && std::isfinite(force_N[i]);
     motor_fault_ += (status[i] & kRigMotorFault) != 0;
     travel_stop_ += (status[i] & kRigTravelStop) != 0;
     adc_rail_ += (status[i] & kRigAdcRail) != 0;

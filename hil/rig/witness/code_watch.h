@@ -10,7 +10,7 @@ namespace forcegate::witness {
 /// Range of the converter's codes, bits that never change, and how often each status bit was set.
 class CodeWatch {
  public:
-  void push(const std::uint16_t* code, const std::uint16_t* status, std::size_t n);
+  void push(const std::uint16_t* code, const std::uint16_t* status, const float* force_N, std::size_t n);
   void finish(RigObservation& o) const;
 
  private:

@@ -145,6 +145,25 @@ TEST_F(Lanes, ADeadOrSilentEmulatorIsAFirmwareError) {
   EXPECT_NE(late.error().text.find("no answer"), std::string::npos);
 }
 
+// What the host did is nobody's: a stopped emulator answers again, and one that is never let on is no failure of the image.
+TEST_F(Lanes, TimeInWhichTheEmulatorWasStoppedIsNotTheImages) {
+  const PrivateFolder folder = PrivateFolder::make().value();
+  const std::filesystem::path stopped = folder.path() / "stopped";
+  std::ofstream(stopped) << "#!/bin/sh\nkill -STOP $$\nsleep 60\n";
+  std::filesystem::permissions(stopped, std::filesystem::perms::owner_all);
+  for (const auto& [lane, name] : {std::pair{"block", "reference-m4f.block.elf"}, {"uart", "reference.uart.elf"}}) {
+    const auto got = (*make_dut(lane, {{"qemu", stopped.string()}, {"timeout_s", "0.4"}}))->open(session_of(image(name), calibration_));
+    ASSERT_FALSE(got) << lane;
+    EXPECT_EQ(got.error().code, ErrorCode::timeout) << lane << ": " << got.error().to_text();
+  }
+  const std::filesystem::path late = folder.path() / "late";
+  std::ofstream(late) << "#!/bin/sh\n(sleep 3; kill -CONT $$) &\nkill -STOP $$\nexec " << find_program("qemu-system-arm")->string() << " \"$@\"\n";
+  std::filesystem::permissions(late, std::filesystem::perms::owner_all);
+  const auto dut = make_dut("block", {{"qemu", late.string()}, {"timeout_s", "2.5"}});
+  const auto opened = (*dut)->open(session_of(image("reference-m4f.block.elf"), calibration_));
+  EXPECT_TRUE(opened) << opened.error().to_text();
+}
+
 TEST_F(Lanes, AnImageThatGivesNoAccountAtItsEndLeavesNoEmulatorRunning) {
   const PrivateFolder folder = PrivateFolder::make().value();
   const std::filesystem::path qemu = folder.path() / "qemu";

@@ -54,6 +54,40 @@ TEST(LagDrift, OfOneClockIsWithinItsUncertaintyWhateverTheBlocks) {
   EXPECT_EQ(large.drift_ppm, small.drift_ppm);
 }
 
+// 0.5 Hz whose codes are `late_s` behind, with a gain that falls tenfold in the record as that of a film under overload.
+double raw_lag_of(double late_s, double follows = 1.0) {
+  LagEstimator lag;
+  lag.begin(kRate_Hz, 0.0, 600.0);
+  Rng rng(12, "raw_lag");
+  RigBlock rig;
+  rig.resize(1000);
+  std::vector<float> raw(1000);
+  const auto force_N = [](double t_s) { return 2.0 + std::sin(3.14159265358979 * t_s); };
+  for (std::size_t first = 0; first < 600000; first += 1000) {
+    for (std::size_t i = 0; i < 1000; ++i) {
+      const double t_s = static_cast<double>(first + i) / kRate_Hz;
+      rig.t_s[i] = t_s;
+      rig.force_ref_N[i] = static_cast<float>(force_N(t_s));
+      raw[i] = static_cast<float>((1.0 - 0.9 * t_s / 600.0) * (follows * force_N(t_s - late_s) + (1.0 - follows) * 2.0) + 0.3 * rng.normal());
+    }
+    RecordBlock b;
+    b.rig = &rig;
+    b.dut_N = b.raw_N = raw;
+    b.n = 1000;
+    lag.push(b);
+  }
+  return lag.raw_lag_s();
+}
+
+TEST(RawLag, CodesThatAreAQuarterOfAPeriodAndMoreBehindAreFound) {
+  for (const double late_s : {0.5, 0.7, 0.9}) EXPECT_NEAR(raw_lag_of(late_s), late_s, 0.041) << late_s;
+  EXPECT_NEAR(raw_lag_of(-0.6), -0.6, 0.041) << "the ATI is the late one";
+}
+
+TEST(RawLag, OfCodesThatAreInTimeNothingIsSearchedFor) { EXPECT_NEAR(raw_lag_of(0.003), 0.003, 1e-3); }
+
+TEST(RawLag, OfCodesThatDoNotFollowIsUnknown) { EXPECT_TRUE(std::isnan(raw_lag_of(0.0, 0.0))); }
+
 TEST(LagDrift, OfARestIsUnknown) { EXPECT_TRUE(std::isnan(drift_of(0.0, 0.0).drift_ppm)); }
 
 }  // namespace

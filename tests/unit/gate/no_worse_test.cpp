@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "hil/gate/run_judge.h"
+
 namespace forcegate {
 namespace {
 
@@ -105,10 +107,73 @@ TEST(NoWorse, a_record_without_its_partner_is_no_pass) {
     }
 }
 
+Check check_of(const char* id, Verdict verdict, Blame blame, const char* evidence) {
+  Check c;
+  c.id = id;
+  c.verdict = verdict;
+  c.blame = blame;
+  c.evidence = evidence;
+  return c;
+}
+
+// A candidate that is ten points worse, beside an accepted record with which something is the matter.
+std::vector<JudgedCheck> compare_beside(const NoPartner& partner) {
+  return ruled(judge_no_worse(Plan{}, error_increases(Plan{}, sine(), record("q25", 0.15), record("q25", 0.05), partner), true));
+}
+
+TEST(NoWorse, a_rig_fault_beside_the_accepted_build_is_the_rigs_and_of_a_stored_run_whoever_gave_it) {
+  const Check slipped = check_of("rig_spring", Verdict::rig_error, Blame::reference, "the spring slipped");
+  for (const JudgedCheck& j : compare_beside(no_partner("sine/q25", {&slipped, 1}, false))) {
+    EXPECT_EQ(j.check.verdict, Verdict::rig_error) << j.check.id;
+    EXPECT_EQ(j.check.blame, Blame::reference);
+    EXPECT_NE(j.check.evidence.find("the spring slipped"), std::string::npos) << j.check.evidence;
+  }
+  for (const JudgedCheck& j : compare_beside(no_partner("sine/q25", {&slipped, 1}, true))) {
+    EXPECT_EQ(j.check.verdict, Verdict::not_run) << j.check.id;
+    EXPECT_EQ(j.check.blame, Blame::user);
+    EXPECT_NE(j.check.evidence.find("give a run on a sound rig"), std::string::npos) << j.check.evidence;
+  }
+  const Check cut = check_of("coverage", Verdict::inconclusive, Blame::link, "the record is truncated");
+  for (const JudgedCheck& j : compare_beside(no_partner("sine/q25", {&cut, 1}, false))) EXPECT_EQ(j.check.verdict, Verdict::inconclusive);
+  for (const JudgedCheck& j : compare_beside(no_partner("sine/q25", {}, false))) EXPECT_EQ(j.check.verdict, Verdict::fail) << "on a sound rig it counts";
+}
+
+TEST(NoWorse, values_of_a_stored_run_that_its_rig_spoiled_are_nobodys_but_whose_run_it_is) {
+  CaseResult stored;
+  stored.checks = {check_of("rig_spring", Verdict::rig_error, Blame::rig, "the spring slipped")};
+  JudgedCheck own;
+  own.check.id = "mre_maxima";
+  own.check.limit.kind = Limit::Kind::upper;
+  const auto checks = ruled(judge_no_worse(Plan{}, error_increases(sine(), "sine/q25", {&own, 1}, stored, true), true));
+  ASSERT_FALSE(checks.empty());
+  EXPECT_EQ(checks[0].check.verdict, Verdict::not_run);
+  EXPECT_EQ(checks[0].check.blame, Blame::user);
+}
+
+TEST(NoWorse, a_candidate_whose_rig_was_at_fault_is_not_compared) {
+  Plan plan;
+  plan.cases = {sine()};
+  PlayedRecord one;
+  one.record = record("q25", 0.15);
+  JudgedCheck fault;
+  fault.check = check_of("rig_spring", Verdict::rig_error, Blame::reference, "the spring slipped");
+  one.judged.checks = {fault};
+  const auto increases = error_increases(plan, sine(), one.record, record("q25", 0.05));
+  auto checks = judge_no_worse(plan, increases, true);
+  charge_compared(plan, {one}, checks);
+  for (const JudgedCheck& j : ruled(checks)) {
+    EXPECT_EQ(j.check.verdict, Verdict::rig_error);
+    EXPECT_EQ(j.check.blame, Blame::reference);
+  }
+  checks = judge_no_worse(plan, increases, true);
+  one.superseded = true;
+  charge_compared(plan, {one}, checks);
+  for (const JudgedCheck& j : ruled(checks)) EXPECT_EQ(j.check.verdict, Verdict::fail) << "a later attempt stands for it";
+}
+
 TEST(NoWorse, an_accepted_build_that_does_not_run_is_named_and_not_the_candidate) {
-  CaseRecord crashed = record("q25", 0.05);
-  crashed.failure = CaseFailure{CaseFailure::Stage::firmware, {ErrorCode::firmware, "crashed with signal SEGV", "q25", {}}};
-  for (const JudgedCheck& j : compare({record("q25", 0.05)}, {crashed})) {
+  const Check dead = check_of("firmware_runs", Verdict::fail, Blame::firmware, "crashed with signal SEGV");
+  for (const JudgedCheck& j : compare_beside(no_partner("sine/q25", {&dead, 1}, false))) {
     EXPECT_EQ(j.check.verdict, Verdict::not_run);
     EXPECT_EQ(j.check.blame, Blame::user);
     EXPECT_NE(j.check.evidence.find("the accepted build"), std::string::npos) << j.check.evidence;

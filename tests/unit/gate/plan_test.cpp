@@ -68,6 +68,11 @@ TEST(Plan, refuses_the_promise_in_open_loop) {
   EXPECT_NE(error_of(with("[\"accuracy\"]", "[\"promise\"]")).text.find("closed loop"), std::string::npos);
 }
 
+TEST(Plan, refuses_to_average_an_extremum_over_much_of_its_period) {
+  EXPECT_NE(error_of(with("checks = [", "half_width_ms = 300\nchecks = [")).text.find("half_width_ms"), std::string::npos);
+  EXPECT_TRUE(parse_plan(with("checks = [", "half_width_ms = 60\nchecks = ["), "p.toml"));
+}
+
 TEST(Plan, needs_a_record_to_identify_a_specimen) {
   EXPECT_NE(error_of(with("\"static\"", "\"identified\"")).text.find("identification"), std::string::npos);
 }

@@ -205,9 +205,14 @@ TEST(Runner, a_truncated_record_decides_nothing) {
   Bench s;
   s.rig.ends_after_s = 40.0;
   const JudgedCase judged = s.judge(s.run());
-  EXPECT_EQ(find(judged, "coverage")->verdict, Verdict::inconclusive);
+  EXPECT_EQ(find(judged, "coverage")->verdict, Verdict::rig_error) << "played again it may be whole";
   EXPECT_EQ(find(judged, "coverage")->blame, Blame::link);
   EXPECT_EQ(find(judged, "mre_maxima")->verdict, Verdict::inconclusive);
+  CaseRecord recorded = s.run();
+  recorded.rig.can_move = false;
+  EXPECT_EQ(find(s.judge(recorded), "coverage")->verdict, Verdict::inconclusive) << "a recording is the same the next time";
+  s.dut.spoil = [](std::uint32_t i, float& force_N, std::uint8_t&) { force_N = i == 20000 ? std::nanf("") : force_N; };
+  EXPECT_EQ(find(s.judge(s.run()), "output_finite")->verdict, Verdict::fail) << "what the firmware did stays wrong";
 }
 
 TEST(Runner, an_unsound_reference_takes_the_record_out_of_judgement) {

@@ -172,6 +172,28 @@ TEST_F(WeightGate, a_session_that_broke_off_leaves_the_pack_unjudged_and_rejects
   EXPECT_EQ(judged(m).decision.exit_code, 130);
 }
 
+TEST_F(WeightGate, a_session_that_the_image_did_not_break_is_the_links) {
+  WeightMaterial m = run_of(*pack_, sound());
+  m.records[1].failure = Error{ErrorCode::timeout, "the emulator got no time", "sensor2", {}};
+  const RunResult result = judged(m);
+  EXPECT_EQ(result.decision.exit_code, 4) << result.decision.reason;
+  EXPECT_EQ(result.decision.blame, Blame::link);
+  EXPECT_NE(result.decision.reason.find("got no time"), std::string::npos) << result.decision.reason;
+  m.records[1].failure->code = ErrorCode::firmware;
+  EXPECT_NE(judged(m).decision.reason.find("got no time"), std::string::npos) << "the headline says what happened";
+  m.records[1].failure->code = ErrorCode::internal;
+  EXPECT_EQ(judged(m).decision.exit_code, 6);
+}
+
+TEST_F(WeightGate, an_accepted_build_without_an_answer_is_not_the_candidates) {
+  WeightMaterial m = run_of(*pack_, sound());
+  m.with_accepted = true;
+  const RunResult result = judged(m);
+  EXPECT_EQ(of(result.checks, "no_worse_per").verdict, Verdict::not_run);
+  EXPECT_EQ(result.decision.blame, Blame::user) << result.decision.reason;
+  EXPECT_EQ(result.decision.exit_code, 3);
+}
+
 TEST_F(WeightGate, the_same_build_is_no_worse_than_itself_and_a_worse_one_is) {
   WeightMaterial m = run_of(*pack_, sound());
   m.with_accepted = true;
@@ -191,7 +213,7 @@ TEST_F(WeightGate, the_same_build_is_no_worse_than_itself_and_a_worse_one_is) {
   EXPECT_GT(coverage_factor(0.95, rest.dof), k) << "a few loadings are no normal law";
   m.records[5].accepted_N.clear();
   const RunResult partner = judged(m);
-  EXPECT_EQ(of(partner.checks, "no_worse_per").verdict, Verdict::inconclusive);
+  EXPECT_EQ(of(partner.checks, "no_worse_per").verdict, Verdict::not_run);
   EXPECT_NE(of(partner.checks, "no_worse_per").evidence.find("sensor6"), std::string::npos);
 }
 

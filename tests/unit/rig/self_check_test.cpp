@@ -79,6 +79,22 @@ TEST(SelfCheck, blames_the_reference_for_saturation) {
   EXPECT_EQ(unsound(rig), "rig_reference_valid");
 }
 
+TEST(SelfCheck, counts_a_row_without_a_reading_once_whatever_says_so) {
+  testing::FakeRig rig;
+  std::size_t spoiled = 0;
+  rig.spoil = [&](std::size_t row, double t_s, RigBlock& b) {
+    if (!(t_s >= 10.0 && t_s < 10.2)) return;
+    b.force_ref_N[row] = std::nanf("");
+    b.status[row] |= kRigReferenceFault | (t_s < 10.1 ? kRigReferenceSaturated : 0);
+    ++spoiled;
+  };
+  for (const Check& c : checks_of(rig))
+    if (c.id == "rig_reference_valid") {
+      EXPECT_NE(c.evidence.find("0 samples saturated, " + std::to_string(spoiled) + " with an error, 0 without a value"), std::string::npos) << c.evidence;
+    }
+  EXPECT_GT(spoiled, 0U);
+}
+
 TEST(SelfCheck, sees_a_frozen_reference) {
   testing::FakeRig rig;
   rig.spoil = [](std::size_t row, double t_s, RigBlock& b) {
