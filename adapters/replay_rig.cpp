@@ -293,7 +293,8 @@ class ReplayRig : public Rig {
     const std::size_t n = force.value.size();
     adc_.resize(n);
     status_.assign(n, 0);
-    if (!counts) FORCEGATE_CHECK_OK(check_range(*voltage, path, notes));
+    if (counts) info_.details["output"] = "counts";
+    else FORCEGATE_CHECK_OK(check_range(*voltage, path, notes));
     std::uint16_t held = 0;
     for (std::size_t i = 0; i < n; ++i) {
       double code = kMissing;

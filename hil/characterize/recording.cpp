@@ -228,6 +228,9 @@ Result<SessionSheet> characterize_recording(Rig& rig, const std::string& name, B
   const RigInfo info = rig.info();
   sheet.calibration = nominal_calibration(info);
   if (const auto assumed = info.details.find("assumed"); assumed != info.details.end()) {
+    if (info.details.contains("output"))
+      return fail(ErrorCode::config, "the output is recorded in counts, and nothing says what a count is: " + assumed->second + " would be assumed", name,
+                  "give the converter's, for instance --rig-option adc_bits=12 --rig-option v_range_V=3.3");
     sheet.assumed_converter = assumed->second;
     sheet.notes.push_back("the converter is not stated: " + assumed->second + " in the calibration file " + (assumed->second.find(',') != std::string::npos ? "are" : "is") +
                           " assumed; give yours, --rig-option adc_bits=N --rig-option v_range_V=VOLTS");

@@ -16,6 +16,7 @@
 #include <memory>
 #include <tuple>
 
+#include "hil/app/export/recorded_output.h"
 #include "hil/base/read_file.h"
 #include "hil/base/text.h"
 #include "hil/model/rows.h"
@@ -295,6 +296,7 @@ Result<CompensatorCheck> check_compensator(const Model& model, const Compensator
                   of != campaign.records.end() ? of->place() : rows.name,
                   "replay the header on records with a column temp_C; without --check it is written all the same");
     RecordInput r = at_rate(rows, rate_Hz, most_s);
+    if (std::vector<double> samples = recorded_output(campaign, rows, r.t_s); !samples.empty()) r.U_V = std::move(samples);
     set_decay(r, model.law);
     r.recording =
         input.records.front().recording;  // no history: the firmware is switched on where the record begins

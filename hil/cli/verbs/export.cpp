@@ -100,7 +100,7 @@ const Registration<Command> kRow{Command{
         "Before it is written the header is built with the host's compiler and held against the model's own inverse on swings over the model's "
         "range; one that does not undo the model is refused. The header takes what the model takes: volts, or the unit that the model file names.\n\n"
         "--check builds the header with the host's compiler and replays a campaign: how far it is from the model's own inverse, "
-        "in newtons and in LSB, and what it does to the recorded voltages. Where the plan calibrates on the bench, the best straight line "
+        "in newtons and in LSB, and what it does to the recorded samples of the voltage, noise included. Where the plan calibrates on the bench, the best straight line "
         "over the records is taken first, as that does; with --plan none gain and offset of the model count. The other error is told "
         "too. Of each record the first 600 s are replayed. Where the header is far from the model's inverse, makes the error larger (each "
         "with its best line), or has by --plan none a gain and an offset that are not those of the records, a warning says so and the exit code is 1.",

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/diagnose/candidates/spare_room.h"
 #include "hil/diagnose/choose/objection.h"
+#include "hil/diagnose/choose/refine.h"
 
 namespace forcegate::diagnose {
 
@@ -11,38 +13,49 @@ namespace {
 
 constexpr int kIterations = 9;
 
-// All families beside one that is in the model with all its forms.
-ScreenResult screen_beside(const ResidualChannel& channel, std::vector<int> columns, std::vector<std::string> taken, const FamilyScore& one, unsigned threads) {
+// A family is in the model with all its forms.
+std::vector<int> with_family(const ResidualChannel& channel, std::vector<int> columns, const FamilyScore& one) {
   add_columns(columns, columns_of(channel, one.best.variant));
   add_columns(columns, family_columns(channel, *one.kind));
+  return columns;
+}
+
+// All families beside it.
+ScreenResult screen_beside(const ResidualChannel& channel, const std::vector<int>& columns, std::vector<std::string> taken, const FamilyScore& one, unsigned threads) {
   taken.push_back(one.kind->name);
   return screen(channel, columns, taken, &one.best.fit, threads, kIterations);
 }
 
 }  // namespace
 
-std::optional<Partner> partner_of(const CampaignInput& input, const ResidualChannel& channel, const std::vector<int>& present,
+std::optional<Partner> partner_of(const CampaignInput& input, ResidualChannel& channel, const std::vector<int>& present,
                                   const std::vector<std::string>& taken, const ScreenResult& result, const FamilyScore& first,
                                   const SelectionRules& rules, unsigned threads) {
   constexpr std::size_t kMost = 2;
   constexpr double kTogether = 0.9;  // of what is left
   const double excess = excess_mean_square(channel, result.base);
   Partner out;
-  out.beside = screen_beside(channel, present, taken, first, threads);
+  const std::vector<int> columns_of_base = with_family(channel, present, first);
+  out.beside = screen_beside(channel, columns_of_base, taken, first, threads);
   if (!out.beside.base.valid) return std::nullopt;
   for (out.place = 0; out.place < std::min(kMost, out.beside.families.size()); ++out.place) {
-    const FamilyScore& second = out.beside.families[out.place];
+    FamilyScore& second = out.beside.families[out.place];
     if (second.kind->traits.between_records || look_alike(*first.kind, *second.kind) || second.best.wrong_sign || second.gain < rules.later_gain) continue;
+    SpareRoom room(channel);
+    refine_family(input, channel, columns_of_base, out.beside.base, second, threads);
     out.chosen = as_chosen(input, channel, out.beside.base, second, rules);
     const Objection o = objection(channel, out.beside, second, out.chosen, {}, 0.0, rules);
     if (o.why != Refusal::none) continue;
-    const ScreenResult without = screen_beside(channel, present, taken, second, threads);
+    const ScreenResult without = screen_beside(channel, with_family(channel, present, second), taken, second, threads);
     if (!without.base.valid || without.families.empty()) continue;
     const FamilyScore& again = without.families.front();
     const ChosenEffect beside_second = as_chosen(input, channel, without.base, again, rules);
     const double removed = std::sqrt(std::max(1e-18, excess - excess_mean_square(channel, without.base)));
     const Objection o2 = objection(channel, without, again, beside_second, {out.chosen}, removed, rules);
-    if (again.kind == first.kind && o2.why == Refusal::none && excess_mean_square(channel, again.best.fit) < (1.0 - kTogether) * excess) return out;
+    if (again.kind == first.kind && o2.why == Refusal::none && excess_mean_square(channel, again.best.fit) < (1.0 - kTogether) * excess) {
+      room.keep();
+      return out;
+    }
   }
   return std::nullopt;
 }

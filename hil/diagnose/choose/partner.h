@@ -17,8 +17,9 @@ struct Partner {
 };
 
 /// The best family beside the first one that nothing speaks against there, if nothing speaks against the first one beside it either, and if both
-/// together take nearly all that is left. `taken`: families that do not compete.
-std::optional<Partner> partner_of(const CampaignInput& input, const ResidualChannel& channel, const std::vector<int>& present,
+/// together take nearly all that is left. Its refined shape stays in the spare columns of the channel where there is one. `taken`: families that do
+/// not compete.
+std::optional<Partner> partner_of(const CampaignInput& input, ResidualChannel& channel, const std::vector<int>& present,
                                   const std::vector<std::string>& taken, const ScreenResult& result, const FamilyScore& first,
                                   const SelectionRules& rules, unsigned threads);
 

@@ -16,10 +16,13 @@ class RecordedRig final : public Rig {
   std::vector<float> force_N, sensor_V;
   double rate_Hz = 100.0;
   std::string assumed, notes;
+  bool in_counts = false;
+
   RigInfo info() const override {
     RigInfo i;
     if (!assumed.empty()) i.details["assumed"] = assumed;
     if (!notes.empty()) i.details["notes"] = notes;
+    if (in_counts) i.details["output"] = "counts";
     i.rate_Hz = rate_Hz;
     i.adc_bits = 16;
     return i;

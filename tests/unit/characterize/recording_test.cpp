@@ -68,6 +68,20 @@ TEST(Recording, tells_the_same_however_many_samples_a_cycle_has) {
   }
 }
 
+TEST(Recording, in_counts_of_an_unknown_converter_is_refused) {
+  RecordedRig rig = decaying_cycles();
+  rig.assumed = "adc_bits = 16, v_range_V = 10";
+  BenchProgress progress;
+  EXPECT_TRUE(characterize_recording(rig, "r", progress)) << "of volts the gain is known";
+  rig = decaying_cycles();
+  rig.assumed = "adc_bits = 16, v_range_V = 10";
+  rig.in_counts = true;
+  const auto none = characterize_recording(rig, "r", progress);
+  ASSERT_FALSE(none);
+  EXPECT_NE(none.error().to_text().find("nothing says what a count is"), std::string::npos) << none.error().to_text();
+  EXPECT_NE(none.error().to_text().find("--rig-option adc_bits="), std::string::npos);
+}
+
 TEST(Recording, cut_at_another_movement_takes_nothing_of_it) {
   RecordedRig rig;
   const auto triangle = [](double t, double period_s, double low, double high) {

@@ -43,12 +43,16 @@ TEST(TwoEffects, ACurveAndAGrowthOfTheSameSizeAreBothNamed) {
 
 // Records that reach the rail show another strength of the push than those that do not, and neither is a fit alone.
 TEST(TwoEffects, APushFromTheSideBesideARailIsNamedAsWell) {
-  Bench bench;
-  bench.push = [](double, double e, double th) { return 0.01 * e * std::sin(th); };
-  bench.output_V = [](double U) { return 3.0 - 0.05 * std::log1p(std::exp((3.0 - U) / 0.05)); };
-  const Diagnosis d = diagnose(bench);
-  EXPECT_TRUE(claims(d, "off_axis")) << told(d);
-  EXPECT_TRUE(claims(d, "clipping")) << told(d);
+  constexpr double kRail_V = 7.2, kBend_V = 0.05;
+  for (const double share : {0.008, 0.01, 0.012}) {
+    Bench bench;
+    bench.push = [share](double, double e, double th) { return share * e * std::sin(th); };
+    bench.output_V = [](double U) { return kRail_V - kBend_V * std::log1p(std::exp((kRail_V - U) / kBend_V)); };
+    const Diagnosis d = diagnose(bench);
+    EXPECT_TRUE(claims(d, "off_axis")) << share << ' ' << told(d);
+    EXPECT_TRUE(claims(d, "clipping")) << share << ' ' << told(d);
+    EXPECT_LT(d.error_after, 0.25 * d.error_before) << share;
+  }
 }
 
 // A loop of stick and slip whose form no family has, and a slow growth across it.

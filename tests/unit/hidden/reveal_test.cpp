@@ -52,6 +52,16 @@ TEST_F(Reveal, AnAnswerToAnotherCampaignOpensNothing) {
   }
 }
 
+TEST_F(Reveal, AClaimOfWhatWasNotHiddenIsToldBesideARightName) {
+  const auto both = asked(R"({"campaign": "m", "verdict": "known", "findings": [{"effect": "hysteresis", "probability": 0.9}, {"effect": "creep", "probability": 0.7}]})");
+  ASSERT_TRUE(both) << both.error().to_text();
+  EXPECT_TRUE(both->right);
+  EXPECT_THAT(both->sentence, HasSubstr("The answer also claims creep, which was not hidden."));
+  const auto one = asked(R"({"campaign": "m", "verdict": "known", "findings": [{"effect": "hysteresis", "probability": 0.9}, {"effect": "creep", "probability": 0.3}]})");
+  ASSERT_TRUE(one);
+  EXPECT_THAT(one->sentence, Not(HasSubstr("also claims")));
+}
+
 TEST_F(Reveal, AFileThatIsNoAnswerIsToldWithoutTheNamesOfALibrary) {
   for (const char* text : {"t_s,F_ref_N\n", "{\"a\": 1}", "{\"verdict\": 3}"}) {
     const auto none = asked(text);

@@ -199,6 +199,20 @@ TEST(LoggerFiles, LabViewMeasurementsAreRead) {
   EXPECT_EQ(force(read(head + "\t1500\t2000\n\t2500\t3000\n", options)), (std::vector<double>{1.5, 2.5})) << "no X column is written";
 }
 
+TEST(LoggerFiles, OfSeveralVoltagesNoCurrentIsTheOutput) {
+  const auto f = read("t_s,F_ref_N,motor_current_mA,left_V,right_V\n0.0,1,5,1,2\n0.1,2,6,2,3\n");
+  EXPECT_FALSE(f.trace.find("U"));
+  EXPECT_TRUE(read("t_s,F_ref_N,sensor_current_mA\n0.0,1,5\n0.1,2,6\n").trace.find("U")) << "a sensor that is read as a current";
+}
+
+TEST(LoggerFiles, TwoColumnsOfOneNameAreRefused) {
+  CsvOptions options;
+  options.column_map = {{"left_V", "U_V"}, {"right_V", "U_V"}};
+  const auto twice = parse_csv("t_s,F_ref_N,left_V,right_V\n0.0,1,1,2\n0.1,2,2,3\n", "f.csv", options);
+  ASSERT_FALSE(twice);
+  EXPECT_THAT(twice.error().to_text(), HasSubstr("columns \"left_V\" and \"right_V\" are both mapped to U"));
+}
+
 TEST(LoggerFiles, QuotedDecimalCommasAreReadBesideCommas) {
   EXPECT_EQ(force(read("t_s,F_ref_N\n\"0,0\",\"1,50\"\n\"0,1\",\"2,5\"\n")), (std::vector<double>{1.5, 2.5}));
   EXPECT_THAT(refuse("t_s,F_ref_N\n0,\"1,500\"\n1,\"2,500\"\n").hint, HasSubstr("write 1500 and not 1,500"));

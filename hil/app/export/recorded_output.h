@@ -1,0 +1,15 @@
+#pragma once
+// What a firmware's converter would have read in a recording.
+
+#include <vector>
+
+#include "hil/model/record_input.h"
+#include "hil/trace/campaign.h"
+
+namespace forcegate {
+
+/// U of the record that `rows` were made of, at the instants `t_s` of its clock (s since its first sample): its samples themselves, along a straight
+/// line between two of them, noise and all; means over rows would hide it. Samples that are missing are bridged. Empty where the campaign has no such record.
+std::vector<double> recorded_output(const Campaign& campaign, const RecordInput& rows, const std::vector<double>& t_s);
+
+}  // namespace forcegate
