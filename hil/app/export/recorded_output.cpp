@@ -17,6 +17,8 @@ std::vector<double> recorded_output(const Campaign& campaign, const RecordInput&
       U.push_back(output->value[i]);
     }
   if (U.size() < 2) return {};
+  constexpr double kAsFast = 1.5;
+  const double instant_s = t_s.size() > 1 ? (t_s.back() - t_s.front()) / static_cast<double>(t_s.size() - 1) : 0.0;
   std::vector<double> out;
   out.reserve(t_s.size());
   std::size_t k = 0;
@@ -24,7 +26,8 @@ std::vector<double> recorded_output(const Campaign& campaign, const RecordInput&
     while (k + 2 < at_s.size() && at_s[k + 1] <= t) ++k;
     const double step_s = at_s[k + 1] - at_s[k];
     const double share = step_s > 0.0 ? std::clamp((t - at_s[k]) / step_s, 0.0, 1.0) : 0.0;
-    out.push_back(U[k] + share * (U[k + 1] - U[k]));
+    if (step_s <= kAsFast * instant_s) out.push_back(share < 0.5 ? U[k] : U[k + 1]);
+    else out.push_back(U[k] + share * (U[k + 1] - U[k]));
   }
   return out;
 }

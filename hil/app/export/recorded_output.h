@@ -8,8 +8,9 @@
 
 namespace forcegate {
 
-/// U of the record that `rows` were made of, at the instants `t_s` of its clock (s since its first sample): its samples themselves, along a straight
-/// line between two of them, noise and all; means over rows would hide it. Samples that are missing are bridged. Empty where the campaign has no such record.
+/// U of the record that `rows` were made of, at the even instants `t_s` of its clock (s since its first sample). Of a record with as many samples
+/// or more it is the nearest one, noise and all, which means over rows and values between two samples would hide; of a slower one it runs
+/// along a straight line between two. Samples that are missing are bridged. Empty where the campaign has no such record.
 std::vector<double> recorded_output(const Campaign& campaign, const RecordInput& rows, const std::vector<double>& t_s);
 
 }  // namespace forcegate
