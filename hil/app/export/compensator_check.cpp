@@ -171,14 +171,13 @@ std::vector<std::uint8_t> judged_instants(const RecordInput& r, double rate_Hz, 
   return out;
 }
 
-// The record at the rate of the compensator: rows and full rate are the same.
-RecordInput at_rate(const RecordInput& r, double rate_Hz, double most_s) {
+// The record at the rate of the compensator: rows and full rate are the same, and its output is what the samples say.
+RecordInput at_rate(const Campaign& campaign, const RecordInput& r, double rate_Hz, double most_s) {
   RecordInput out = r;
   const double seconds = std::min(most_s, r.t_s.back() - r.t_s.front());
   const auto n = static_cast<std::size_t>(seconds * rate_Hz);
   out.row_step_s = 1.0 / rate_Hz;
   out.F_N = resample(r, r.F_N, rate_Hz, n);
-  out.U_V = resample(r, r.U_V, rate_Hz, n);
   out.temp_C = resample(r, r.temp_C, rate_Hz, n);
   out.humidity = resample(r, r.humidity, rate_Hz, n);
   out.theta_rad = resample(r, r.theta_rad, rate_Hz, n);
@@ -198,6 +197,8 @@ RecordInput at_rate(const RecordInput& r, double rate_Hz, double most_s) {
     if (i > 1) out.rate_N_per_s[i] = rate_Hz * (1.5 * out.F_N[i] - 2.0 * out.F_N[i - 1] + 0.5 * out.F_N[i - 2]);
   }
   out.row_begin[n] = static_cast<std::uint32_t>(n);
+  out.U_V = recorded_output(campaign, r, out.t_s);
+  if (out.U_V.empty()) out.U_V = resample(r, r.U_V, rate_Hz, n);
   out.fast_t_s = out.t_s;
   out.fast_F_N = out.F_N;
   return out;
@@ -295,8 +296,7 @@ Result<CompensatorCheck> check_compensator(const Model& model, const Compensator
       return fail(ErrorCode::config, "the model needs a temperature (" + join(compensator.effects, "; ") + "), and this record has none",
                   of != campaign.records.end() ? of->place() : rows.name,
                   "replay the header on records with a column temp_C; without --check it is written all the same");
-    RecordInput r = at_rate(rows, rate_Hz, most_s);
-    if (std::vector<double> samples = recorded_output(campaign, rows, r.t_s); !samples.empty()) r.U_V = std::move(samples);
+    RecordInput r = at_rate(campaign, rows, rate_Hz, most_s);
     set_decay(r, model.law);
     r.recording =
         input.records.front().recording;  // no history: the firmware is switched on where the record begins

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "hil/app/mystery/mystery.h"
 #include "hil/base/plain_number.h"
 #include "hil/base/read_file.h"
@@ -76,7 +74,7 @@ std::string error_sentence(const hidden::Truth& truth, const Answer& answer) {
 std::string claims_beside(const hidden::Truth& truth, const Answer& answer) {
   std::string out;
   for (const AnswerFinding& f : answer.findings)
-    if (f.claimed() && std::ranges::none_of(truth.effects, [&](const hidden::TruthEffect& e) { return e.name == f.effect; })) out += (out.empty() ? "" : " and ") + f.effect;
+    if (f.claimed() && true_effect(truth, f.effect) == nullptr) out += (out.empty() ? "" : " and ") + f.effect;
   return out;
 }
 

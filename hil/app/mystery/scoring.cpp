@@ -19,12 +19,6 @@ std::optional<double> number(const Json& object, const char* key) {
   return at->get<double>();
 }
 
-const hidden::TruthEffect* true_effect(const hidden::Truth& truth, const std::string& name) {
-  for (const hidden::TruthEffect& effect : truth.effects)
-    if (!effect.foreign && effect.name == name) return &effect;
-  return nullptr;
-}
-
 bool accepts_side(const hidden::TruthEffect& effect, const std::string& side) {
   return side == effect.side ||
          std::find(effect.also_side.begin(), effect.also_side.end(), side) != effect.also_side.end();
@@ -112,6 +106,12 @@ Answer answer_of(const std::string& effect) {
 }
 
 double Reduction::share() const { return std::clamp((before - after) / (before - twin), -1.0, 1.0); }
+
+const hidden::TruthEffect* true_effect(const hidden::Truth& truth, const std::string& name) {
+  for (const hidden::TruthEffect& effect : truth.effects)
+    if (!effect.foreign && effect.name == name) return &effect;
+  return nullptr;
+}
 
 bool AnswerFinding::claimed() const { return probability >= kClaim; }
 

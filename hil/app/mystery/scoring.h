@@ -76,6 +76,9 @@ struct Score {
   std::optional<Reduction> reduction;  ///< where something was reducible
 };
 
+/// Of the catalogue and hidden; nullptr: it is not.
+const hidden::TruthEffect* true_effect(const hidden::Truth& truth, const std::string& name);
+
 /// A reduction is counted where one effect is hidden that a model can predict and the error is at least a tenth above the twin's:
 /// else the effect is lost in the noise, or gain, zero and decay of the single records absorb it. Of the rig it is that of the force, of
 /// the reference that of the force where it is told, else of the output. An answer that does not name the effect first

@@ -57,15 +57,13 @@ class ForwardChoice {
         continue;
       }
       if (why == Refusal::leads && lead.plain() && shift_s(channel_, family) > allowed_latency_s_) tell_lead(shift_s(channel_, family));
-      const bool is_no_fit = why == Refusal::differs || why == Refusal::helps_no_records || why == Refusal::helps_no_parts;
-      if (is_no_fit && out_.chosen.empty() && place_ == 0 && !chosen.between && !rules_.forms_are_rough) {
+      if (may_hide_another(why, chosen))
         if (std::optional<Partner> partner = partner_of(input_, channel_, present_, taken_, result_, family, rules_, threads_)) {
           result_ = std::move(partner->beside);
           place_ = partner->place;
           if (!take(result_.families[place_], partner->chosen)) return;
           continue;
         }
-      }
       if (!(why == Refusal::none ? take(family, chosen) : turn_down(family, why))) return;
       if (forms_ == Forms::all && !out_.chosen.empty()) return;
     }
@@ -123,6 +121,12 @@ class ForwardChoice {
     if (lead.plain() || (leads_ && family.kind->traits.late)) return {Refusal::leads};
     if (only_repairs_smoothing(family) && !lead.loaded) return {Refusal::in_step};
     return objection(channel_, result_, family, chosen, out_.chosen, largest_removed_, rules_);
+  }
+
+  // The first of all, of whose strength the records, or parts of them, say different things.
+  bool may_hide_another(Refusal why, const ChosenEffect& chosen) const {
+    return (why == Refusal::differs || why == Refusal::helps_no_records || why == Refusal::helps_no_parts) && out_.chosen.empty() && place_ == 0 && !chosen.between &&
+           !rules_.forms_are_rough;
   }
 
   // A wheel that turns at a constant speed loads as fast as it pushes sideways, and a late reference takes part of such an effect for its own,

@@ -11,8 +11,6 @@ namespace forcegate::diagnose {
 
 namespace {
 
-constexpr int kIterations = 9;
-
 // A family is in the model with all its forms.
 std::vector<int> with_family(const ResidualChannel& channel, std::vector<int> columns, const FamilyScore& one) {
   add_columns(columns, columns_of(channel, one.best.variant));
@@ -23,7 +21,7 @@ std::vector<int> with_family(const ResidualChannel& channel, std::vector<int> co
 // All families beside it.
 ScreenResult screen_beside(const ResidualChannel& channel, const std::vector<int>& columns, std::vector<std::string> taken, const FamilyScore& one, unsigned threads) {
   taken.push_back(one.kind->name);
-  return screen(channel, columns, taken, &one.best.fit, threads, kIterations);
+  return screen(channel, columns, taken, &one.best.fit, threads);
 }
 
 }  // namespace
@@ -44,18 +42,17 @@ std::optional<Partner> partner_of(const CampaignInput& input, ResidualChannel& c
     SpareRoom room(channel);
     refine_family(input, channel, columns_of_base, out.beside.base, second, threads);
     out.chosen = as_chosen(input, channel, out.beside.base, second, rules);
-    const Objection o = objection(channel, out.beside, second, out.chosen, {}, 0.0, rules);
-    if (o.why != Refusal::none) continue;
+    if (objection(channel, out.beside, second, out.chosen, {}, 0.0, rules).why != Refusal::none) continue;
     const ScreenResult without = screen_beside(channel, with_family(channel, present, second), taken, second, threads);
     if (!without.base.valid || without.families.empty()) continue;
     const FamilyScore& again = without.families.front();
     const ChosenEffect beside_second = as_chosen(input, channel, without.base, again, rules);
     const double removed = std::sqrt(std::max(1e-18, excess - excess_mean_square(channel, without.base)));
-    const Objection o2 = objection(channel, without, again, beside_second, {out.chosen}, removed, rules);
-    if (again.kind == first.kind && o2.why == Refusal::none && excess_mean_square(channel, again.best.fit) < (1.0 - kTogether) * excess) {
-      room.keep();
-      return out;
-    }
+    if (again.kind != first.kind || objection(channel, without, again, beside_second, {out.chosen}, removed, rules).why != Refusal::none ||
+        excess_mean_square(channel, again.best.fit) >= (1.0 - kTogether) * excess)
+      continue;
+    room.keep();
+    return out;
   }
   return std::nullopt;
 }

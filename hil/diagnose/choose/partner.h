@@ -11,8 +11,8 @@ namespace forcegate::diagnose {
 
 /// What a family that was refused for itself agrees beside.
 struct Partner {
-  ScreenResult beside;   ///< all families beside the refused one
-  std::size_t place = 0; ///< of the partner in it
+  ScreenResult beside;    ///< all families beside the refused one
+  std::size_t place = 0;  ///< of the partner in it
   ChosenEffect chosen;
 };
 

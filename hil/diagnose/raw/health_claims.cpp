@@ -184,7 +184,7 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
   else if (plain_zeros || plain_holds || plain_silence || ((held + zeros) / samples > kShare && held + zeros >= 20 && (with_held >= 2 || !many_records || plainly_held)))
     out.push_back(
         {"dropouts", 0.95,
-         percent((held + zeros) / samples) + " of the samples are held or zero where the force says otherwise",
+         percent((held + zeros) / samples) + " of the samples are held or zero where the force, or their own noise, says otherwise",
          "share", "1", (held + zeros) / samples, std::sqrt(held + zeros) / samples});
   if (rail / samples > 1e-3)
     out.push_back({"clipping", 0.95,
