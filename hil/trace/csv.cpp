@@ -1,6 +1,7 @@
 #include "hil/trace/csv.h"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
@@ -18,6 +19,7 @@
 #include "hil/trace/date_column.h"
 #include "hil/trace/missing_count.h"
 #include "hil/trace/no_clock.h"
+#include "hil/trace/part_column.h"
 #include "hil/trace/sensor_name.h"
 #include "hil/trace/time_base.h"
 
@@ -124,8 +126,8 @@ Result<void> check_mapped_once(const CsvTable& table, const std::vector<ColumnMe
 }
 
 /// The first column that is called a clock, else the first one that holds dates or times of day, else the only one of time where no rate is
-/// given; the number of columns where there is none.
-std::size_t find_clock(const CsvTable& table, const std::vector<ColumnMeaning>& meanings, const CsvOptions& options, std::vector<std::string>& notes) {
+/// given, else the only one that is called by a unit of time ("ms"); the number of columns where there is none.
+std::size_t find_clock(const CsvTable& table, std::vector<ColumnMeaning>& meanings, const CsvOptions& options, std::vector<std::string>& notes) {
   const auto named = std::ranges::find_if(meanings, &ColumnMeaning::is_clock);
   if (named != meanings.end()) return static_cast<std::size_t>(named - meanings.begin());
   const auto dated = std::ranges::find_if(table.columns, &CsvColumn::dates);
@@ -133,9 +135,17 @@ std::size_t find_clock(const CsvTable& table, const std::vector<ColumnMeaning>& 
     notes.push_back("column \"" + dated->header + "\" holds dates or times of day and was taken for the clock");
     return static_cast<std::size_t>(dated - table.columns.begin());
   }
+  if (options.assumed_rate_Hz > 0.0) return table.columns.size();
   const auto counts_time = [](const ColumnMeaning& meaning) { return meaning.unit.quantity == "time" && meaning.name != "unused"; };
-  if (options.assumed_rate_Hz > 0.0 || std::ranges::count_if(meanings, counts_time) != 1) return table.columns.size();
-  const auto only = static_cast<std::size_t>(std::ranges::find_if(meanings, counts_time) - meanings.begin());
+  const auto is_called_time = [&](const ColumnMeaning& meaning) {
+    constexpr std::array<std::string_view, 3> kOfLoggers{"s", "ms", "us"};  // "min" may be a minimum, "h" a height
+    return meaning.unit.symbol.empty() && meaning.name != "unused" &&
+           std::ranges::find(kOfLoggers, table.columns[static_cast<std::size_t>(&meaning - meanings.data())].header) != kOfLoggers.end();
+  };
+  const bool by_unit = std::ranges::count_if(meanings, counts_time) == 1;
+  if (!by_unit && std::ranges::count_if(meanings, is_called_time) != 1) return table.columns.size();
+  const auto only = static_cast<std::size_t>((by_unit ? std::ranges::find_if(meanings, counts_time) : std::ranges::find_if(meanings, is_called_time)) - meanings.begin());
+  if (!by_unit) meanings[only].unit = *find_unit(table.columns[only].header), meanings[only].note.clear();
   notes.push_back("column \"" + table.columns[only].header + "\" was taken for the clock, the only time");
   return only;
 }
@@ -226,6 +236,7 @@ Result<TraceFile> trace_of_table(CsvTable table, const std::string& where, const
   out.notes = std::move(table.notes);
   out.trace.name = name;
   out.header_line = table.header_line;
+  FORCEGATE_CHECK_OK(check_one_sensor(table, [&](const std::string& header) { return options.column_map.contains(header); }, where));
   std::vector<ColumnMeaning> meanings = meanings_of(table, options, out);
   FORCEGATE_CHECK_OK(check_mapped_once(table, meanings, options, where));
   const std::size_t clock_column = find_clock(table, meanings, options, out.notes);
@@ -239,7 +250,7 @@ Result<TraceFile> trace_of_table(CsvTable table, const std::string& where, const
 
   Clock clock;
   if (clock_column < table.columns.size()) {
-    ClockSource source{where, table.columns[clock_column].header, {}, options.assumed_rate_Hz, table.columns[clock_column].dates, {}};
+    ClockSource source{where, table.columns[clock_column].header, {}, options.assumed_rate_Hz, table.columns[clock_column].dates, {}, {}};
     source.same_row = [&](std::size_t a, std::size_t b) {
       return std::ranges::all_of(table.columns, [&](const CsvColumn& column) {
         if (&column == &table.columns[clock_column]) return true;  // its stamps are compared
@@ -247,6 +258,7 @@ Result<TraceFile> trace_of_table(CsvTable table, const std::string& where, const
         return x == y || (std::isnan(x) && std::isnan(y));
       });
     };
+    source.changes_at = [&](std::size_t row) { return column_that_changes_at(table, row); };
     if (table.header_line > 0) source.line_of_row = [&](std::size_t row) { return table.line_of_row(row); };
     auto made = make_clock(std::move(table.columns[clock_column].value), source);
     if (!made) return tl::unexpected(made.error());

@@ -1,5 +1,6 @@
 #include "hil/trace/csv_parser.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -110,6 +111,7 @@ Result<CsvTable> CsvParser::finish() {
   for (std::size_t c = 0; c < is_text_.size(); ++c)
     if (is_text_[c]) {
       if (is_day_[c]) text_[c].day_s = std::move(table_.columns[c].value);
+      if (text_[c].word_of_row.size() > table_.rows()) text_[c].word_of_row.resize(table_.rows());  // of a line that was dropped
       table_.text_columns.push_back(std::move(text_[c]));
     }
   constexpr double kMostShort = 0.02;  // of the rows
@@ -165,6 +167,7 @@ Result<void> CsvParser::slow_row(std::string_view line, bool cut_short) {
     const auto position = static_cast<std::size_t>(cells_[c].data() - line.data()) + 1;
     all_text = all_text && kind == CsvCell::text;
     if (is_day_[c]) read_day(c, kind);
+    if (is_text_[c]) read_word(c, kind);
     if (kind == CsvCell::number || is_text_[c]) continue;
     if (kind == CsvCell::text && cut_short && c + 1 == row_.size()) {
       table_.notes.push_back("the last line is cut short and was dropped");
@@ -172,9 +175,11 @@ Result<void> CsvParser::slow_row(std::string_view line, bool cut_short) {
     }
     if (kind == CsvCell::text && table_.columns[c].missing == table_.rows()) {  // nothing stood in it so far
       is_text_[c] = 1;
-      text_[c] = {table_.columns[c].header, readable(unquoted(cells_[c]), 40), hint_for_cell(cells_[c], point_), line_, position, {}};
+      text_[c] = {table_.columns[c].header, readable(unquoted(cells_[c]), 40), hint_for_cell(cells_[c], point_), line_, position, {}, {}, {}};
       is_day_[c] = table_.rows() == 0;  // a remark may be a date too
       read_day(c, kind);
+      if (table_.rows() > 0) text_[c].words = {""}, text_[c].word_of_row.assign(table_.rows(), 0);
+      read_word(c, kind);
       continue;
     }
     if (kind == CsvCell::text)
@@ -195,6 +200,21 @@ void CsvParser::read_day(std::size_t c, CsvCell kind) {
   const auto day_s = is_day_[c] && kind == CsvCell::text ? seconds_of_date(unquoted(cells_[c])) : std::nullopt;
   row_[c] = day_s.value_or(kNan);
   is_day_[c] = is_day_[c] && (day_s || kind == CsvCell::missing);
+}
+
+void CsvParser::read_word(std::size_t c, CsvCell kind) {
+  constexpr std::size_t kMostWords = 64, kLongest = 40;
+  TextColumn& column = text_[c];
+  if (column.word_of_row.size() != table_.rows()) return;  // there were too many
+  const std::string word = kind == CsvCell::missing ? std::string() : readable(unquoted(cells_[c]), kLongest);
+  const auto at = std::ranges::find(column.words, word);
+  if (at == column.words.end() && column.words.size() == kMostWords) {
+    column.words.clear();
+    column.word_of_row.clear();
+    return;
+  }
+  column.word_of_row.push_back(static_cast<std::uint8_t>(at - column.words.begin()));
+  if (at == column.words.end()) column.words.push_back(word);
 }
 
 void CsvParser::drop_cut_row(std::string_view line) {

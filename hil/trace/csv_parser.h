@@ -37,6 +37,7 @@ class CsvParser {
   Result<void> slow_row(std::string_view line, bool cut_short);
   /// A cell of a column of dates.
   void read_day(std::size_t c, CsvCell kind);
+  void read_word(std::size_t c, CsvCell kind);
   Result<bool> row_of_units(std::string_view line);
   /// To a header that does not tell it already; one that tells another is an error.
   Result<void> add_unit(std::string& header, std::string_view symbol, std::size_t column) const;

@@ -24,6 +24,8 @@ struct TextColumn {
   std::string hint;          ///< how to make it a number
   std::uint64_t line = 0, position = 0;  ///< of that cell; position: its first byte in the line, from 1
   std::vector<double> day_s;  ///< where every cell is a date, or empty: the beginning of the day, seconds since 1970; NaN = missing
+  std::vector<std::string> words;        ///< the different cells, "" for a missing one; empty where they are more than 64
+  std::vector<std::uint8_t> word_of_row;  ///< index into `words`
 };
 
 struct CsvTable {

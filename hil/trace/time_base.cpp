@@ -9,6 +9,7 @@
 #include "hil/base/text.h"
 #include "hil/trace/date_time.h"
 #include "hil/trace/packets.h"
+#include "hil/trace/part_column.h"
 
 namespace forcegate {
 namespace {
@@ -169,10 +170,12 @@ namespace {
 
 std::string as_written(double t_s, bool dates) { return dates ? stamp_of_seconds(t_s) : shortest(t_s) + " s"; }
 
-std::string hint_for_jump(double back_s, double step_s, bool dates) {
+std::string hint_for_jump(double back_s, double step_s, const ClockSource& source, std::size_t row) {
   constexpr double kHour_s = 3600.0, kNear_s = 5.0;
+  const std::string column = source.changes_at ? source.changes_at(row) : "";
+  if (!column.empty()) return "column \"" + column + "\" changes there: make one file for each of its values, " + split_command(source.where, column);
   const std::string split = "split the file where a new recording begins";
-  if (!dates || std::fabs(back_s - kHour_s) > std::max(kNear_s, 2.0 * step_s)) return split;
+  if (!source.dates || std::fabs(back_s - kHour_s) > std::max(kNear_s, 2.0 * step_s)) return split;
   return "an hour is what clocks go back at the end of summer time: add it to the stamps from there on, or write all of them with their zone (2026-10-25T02:00:00+01:00); where it is another recording, " + split;
 }
 
@@ -213,7 +216,7 @@ Result<Clock> make_clock(std::vector<double> stamps_s, const ClockSource& source
           return fail(ErrorCode::parse,
                       "the clock jumps back from " + as_written(latest, source.dates) + " to " + as_written(t[i], source.dates) +
                           (has_lines ? " in line " : " in row ") + std::to_string(line_of_row(rows[i])),
-                      has_lines ? where + ":" + std::to_string(line_of_row(rows[i])) : where, hint_for_jump(latest - t[i], step, source.dates));
+                      has_lines ? where + ":" + std::to_string(line_of_row(rows[i])) : where, hint_for_jump(latest - t[i], step, source, rows[i]));
       }
       latest = std::max(latest, t[i]);
     }

@@ -31,6 +31,7 @@ struct ClockSource {
   double declared_rate_Hz = 0.0;  ///< 0 = not said
   bool dates = false;  ///< its cells are stamps such as 2024-05-31T10:31:07, which errors then write
   SameRow same_row;  ///< none: nothing is known of the other columns
+  std::function<std::string(std::size_t row)> changes_at;  ///< header of a column with one value before that row and another from it on, or ""
 };
 
 /// Makes strictly increasing instants of the stamps. Rows without a stamp are dropped, rows out of order by at most

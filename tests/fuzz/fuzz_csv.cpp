@@ -5,9 +5,32 @@
 #include <string_view>
 
 #include "hil/trace/csv.h"
+#include "hil/trace/part_column.h"
+
+// The rows of all parts are the rows of the table, each in the line where it stood.
+static void split_by_every_column(std::string_view bytes) {
+  const auto table = forcegate::parse_csv_table(bytes, "fuzz.csv");
+  if (!table) return;
+  const auto split = [&](const std::string& header) {
+    const auto column = forcegate::part_column(*table, header, "fuzz.csv");
+    if (!column) return;
+    std::size_t rows = 0;
+    for (std::size_t p = 0; p < column->parts.size(); ++p) {
+      const forcegate::CsvTable part = forcegate::rows_of_part(*table, *column, p);
+      std::size_t at = 0;
+      for (std::size_t i = 0; i < column->part_of_row.size(); ++i)
+        if (column->part_of_row[i] == p && part.line_of_row(at++) != table->line_of_row(i)) std::abort();
+      rows += at;
+    }
+    if (rows != table->rows()) std::abort();
+  };
+  for (const auto& c : table->columns) split(c.header);
+  for (const auto& c : table->text_columns) split(c.header);
+}
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view bytes(reinterpret_cast<const char*>(data), size);
+  split_by_every_column(bytes);
   const auto file = forcegate::parse_csv(bytes, "fuzz.csv",
                                          {.column_map = {}, .assumed_rate_Hz = size % 2 == 0 ? 100.0 : 0.0});
   if (!file) {

@@ -164,6 +164,26 @@ TEST_F(Convert, AMapThatMeetsNoColumnIsAMistakeAndOneOfAnHdf5FileWorks) {
   EXPECT_THAT(read_text(out), HasSubstr("0,9.80665,2"));
 }
 
+TEST_F(Convert, ATableOfTrialsBecomesOneFileForEach) {
+  std::string csv = "trial,t_s,F_ref_mN,U_V\n";
+  for (int trial = 1; trial <= 11; ++trial)
+    for (int i = 0; i < 60; ++i) csv += std::to_string(trial) + "," + std::to_string(0.01 * i) + "," + std::to_string(1000 * trial + i) + "," + std::to_string(0.1 * trial) + "\n";
+  write_text(folder / "all.csv", csv);
+  const ProcessResult refused = forcegate({"convert", folder / "all.csv", folder / "one.csv"});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("--split trial"));
+  const ProcessResult r = forcegate({"convert", folder / "all.csv", folder / "parts", "--split", "trial", "--json"});
+  ASSERT_EQ(r.exit_code, 0) << r.err;
+  const Json answer = Json::parse(r.out);
+  ASSERT_EQ(answer["parts"].size(), 11u);
+  EXPECT_EQ(answer["parts"][10]["part"], "11");
+  EXPECT_EQ(answer["parts"][10]["samples"], 60);
+  EXPECT_THAT(read_text(folder / "parts/all-11.csv"), StartsWith("t_s,F_ref_N,U_V\n0,11,1.1\n"));
+  EXPECT_EQ(forcegate({"convert", folder / "all.csv", folder / "parts", "--split", "trial"}).exit_code, 2) << "overwrites nothing unasked";
+  EXPECT_EQ(forcegate({"convert", folder / "all.csv", folder / "parts", "--split", "trial", "--force"}).exit_code, 0);
+  EXPECT_THAT(forcegate({"convert", folder / "all.csv", folder / "parts/all-1.csv", "--split", "trial"}).err, HasSubstr("name a folder"));
+}
+
 // The limit on the size of a file stands for the full disk.
 TEST_F(Convert, AFullDiskIsAnErrorAndLeavesNoFile) {
   std::string csv = "t_s,F_ref_N,U_V\n";
