@@ -10,6 +10,7 @@
 #include "hil/diagnose/base/own_decay.h"
 #include "hil/diagnose/candidates/user_candidates.h"
 #include "hil/diagnose/engine.h"
+#include "hil/diagnose/refit/replaced_forms.h"
 #include "hil/diagnose/refit/seen_terms.h"
 
 namespace forcegate::diagnose {
@@ -350,6 +351,7 @@ Result<OneLawFit> fit_one_law(Campaign campaign, const Model& start, const IsUsa
                            std::sqrt(Fitter::square_error(bare[k], bare_beta)),
                            std::sqrt(Fitter::square_error(grams[k], all))});
   out.model.output_unit = rows.unit;
+  for (const std::string& note : replaced_forms(start, out.model)) out.notes.push_back(note + "; without --fit the model is exported as it stands");
   HistoryStep step;
   step.unit = rows.unit;
   step.campaign = name;

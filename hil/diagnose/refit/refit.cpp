@@ -23,6 +23,7 @@
 #include "hil/diagnose/one_zero.h"
 #include "hil/diagnose/refit/best_form.h"
 #include "hil/diagnose/refit/moved_parameters.h"
+#include "hil/diagnose/refit/replaced_forms.h"
 #include "hil/diagnose/refit/seen_terms.h"
 #include "hil/diagnose/refit/stands_still.h"
 
@@ -366,6 +367,7 @@ Result<Refit> refit_rows(const CampaignRows& rows, const EngineOptions& options,
   }
   if (!still)
     made.refit.notes.push_back(fmt::format("the fit does not stand still: one more from where it ended would move its parameters{}", why));
+  for (std::string& note : replaced_forms(start, made.refit.model)) made.refit.notes.push_back(std::move(note));
   if (!add.empty()) {
     take_before(first, add, made);
   } else if (!made.refit.levels && !made.errors.effects.empty()) {
