@@ -200,7 +200,7 @@ Result<CampaignRows> take_rows(Campaign campaign, const EngineOptions& options) 
   leave_out_absurd_force(campaign, options.threads, w.input.notes);
   w.scales = health_scales(campaign, options.threads);
   if (w.unit == "V" && w.scales.gain_V_per_N < 0.0)
-    w.input.notes.push_back(fmt::format("the output falls as the force rises ({:.3g} V/N): so does a divider with the sensor below; else the force, or the output, has the wrong sign", w.scales.gain_V_per_N));
+    w.input.notes.push_back(fmt::format("the output falls as the force rises ({:.3g} V/N): so does a divider with the sensor below (--divider OHMS:SUPPLY:below reads its conductance); else the force, or the output, has the wrong sign", w.scales.gain_V_per_N));
 
   struct Prepared {
     RecordHealth health;

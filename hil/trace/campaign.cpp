@@ -307,7 +307,7 @@ Result<Campaign> read_campaign(const fs::path& path, const CampaignOptions& opti
   note_unused_rate(campaign, options.assumed_rate_Hz);
   check_declared_facts(campaign);
   take_varied_supply(campaign);
-  const bool chosen = std::ranges::any_of(options.column_map, [](const auto& entry) { return known_name(meaning_of(entry.second).name) == "U"; });
+  const bool chosen = std::ranges::any_of(options.column_map, [](const auto& entry) { return known_name(meaning_of_target(entry.second).name) == "U"; });
   if (!chosen) read_resistance_as_conductance(campaign);
   FORCEGATE_CHECK_OK(check_outputs_alike(campaign));
   return campaign;

@@ -2,12 +2,17 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
+#include <cmath>
+#include <optional>
 
+#include "hil/base/plain_number.h"
 #include "hil/base/text.h"
 #include "hil/trace/channels.h"
 #include "hil/trace/columns.h"
 #include "hil/trace/compression.h"
 #include "hil/trace/convert.h"
+#include "hil/trace/csv_hints.h"
 
 namespace forcegate {
 namespace {
@@ -26,18 +31,55 @@ bool is_another_quantity(const Unit& of_header, const ColumnMeaning& wanted) {
          wanted.unit.symbol == wanted.unit.canonical && !wanted.is_clock && of_header.quantity != "code";
 }
 
-// "ADC code", "Lectura_ADC", "raw": a number of a converter by one word of the name.
-bool is_called_code(std::string_view name) {
-  constexpr std::array kWords = {"adc", "code", "codes", "count", "counts", "lsb", "raw", "digits"};
+template <std::size_t N>
+bool has_word(std::string_view name, const std::array<const char*, N>& words) {
   const std::string lower = ascii_lower(name);
   for (std::size_t begin = 0, end = 0; begin < lower.size(); begin = end + 1) {
     end = std::min(lower.find_first_of(" _-.()[]", begin), lower.size());
-    if (std::ranges::find(kWords, std::string_view(lower).substr(begin, end - begin)) != kWords.end()) return true;
+    if (std::ranges::find(words, std::string_view(lower).substr(begin, end - begin)) != words.end()) return true;
   }
   return false;
 }
 
+// "ADC code", "Lectura_ADC", "raw": a number of a converter by one word of the name.
+bool is_called_code(std::string_view name) { return has_word(name, std::array{"adc", "code", "codes", "count", "counts", "lsb", "raw", "digits"}); }
+
+bool is_called_load_cell(std::string_view name) { return has_word(name, std::array{"hx711", "load", "loadcell", "cell", "force", "scale", "weight"}); }
+
+// What a cell is multiplied by, after its reading at zero is taken off.
+struct Scale {
+  double factor = 1.0, zero = 0.0;
+};
+
+std::optional<double> plain_double(std::string_view text) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size() && std::isfinite(value) ? std::optional(value) : std::nullopt;
+}
+
+// "0.0046" or "1/21543"
+std::optional<double> factor_of(std::string_view text) {
+  const std::size_t slash = text.find('/');
+  const std::optional<double> above = plain_double(text.substr(0, slash)), below = slash == std::string_view::npos ? 1.0 : plain_double(text.substr(slash + 1));
+  if (!above || !below || *above == 0.0 || *below == 0.0) return std::nullopt;
+  return *above / *below;
+}
+
+// nullopt: what stands behind the name is no scale
+std::optional<Scale> scale_of(std::string_view to) {
+  const std::size_t colon = to.find(':');
+  if (colon == std::string_view::npos) return Scale{};
+  const std::string_view numbers = to.substr(colon + 1);
+  const std::size_t second = numbers.find(':');
+  const std::optional<double> factor = factor_of(numbers.substr(0, second)), zero = second == std::string_view::npos ? 0.0 : plain_double(numbers.substr(second + 1));
+  return factor && zero ? std::optional(Scale{*factor, *zero}) : std::nullopt;
+}
+
+std::string name_of_target(const std::string& to) { return to.substr(0, to.find(':')); }
+
 }  // namespace
+
+ColumnMeaning meaning_of_target(const std::string& to) { return meaning_of(name_of_target(to)); }
 
 Result<ColumnMap> parse_column_map(std::span<const std::string> words) {
   ColumnMap out;
@@ -45,7 +87,13 @@ Result<ColumnMap> parse_column_map(std::span<const std::string> words) {
     const std::size_t equals = word.rfind('=');
     if (equals == 0 || equals == std::string::npos || equals + 1 == word.size())
       return fail(ErrorCode::usage, "\"" + printable_utf8(word) + "\" is not COLUMN=NAME", "--map", "write for example --map \"Load cell=F_ref_N\"");
-    out[word.substr(0, equals)] = word.substr(equals + 1);
+    const std::string to = word.substr(equals + 1);
+    if (!scale_of(to) || to.front() == ':')
+      return fail(ErrorCode::usage, in_quotes(to) + " is no NAME, NAME:FACTOR or NAME:FACTOR:ZERO", "--map " + printable_utf8(word),
+                  "a load cell of 21543 counts per newton that reads 84211 without load is F_ref_N:1/21543:84211");
+    if (to.find(':') != std::string::npos && meaning_of_target(to).unit.symbol.empty())
+      return fail(ErrorCode::usage, in_quotes(name_of_target(to)) + " names no unit, and the factor makes one", "--map " + printable_utf8(word), "for instance F_ref_N");
+    out[word.substr(0, equals)] = to;
   }
   return out;
 }
@@ -59,14 +107,21 @@ Result<void> check_column_map(const ColumnMap& map, std::span<const std::string>
       for (const Channel& c : trace->channels)
         if (const std::string name = header_of(c.name, c.unit); std::ranges::find(columns, name) == columns.end()) columns.push_back(name);
     return fail(ErrorCode::usage, "no record has a column \"" + from + "\" to map to " + to, where.string(),
-                "there are " + join(columns, ", ") + (meaning_of(to).is_clock ? "; the clock of an HDF5 file stays what it is" : ""));
+                "there are " + join(columns, ", ") + (meaning_of_target(to).is_clock ? "; the clock of an HDF5 file stays what it is" : ""));
   }
   return {};
 }
 
 ColumnMeaning mapped_meaning(const std::string& header, const Unit& of_header, const std::string& to, std::vector<std::string>& notes) {
   const auto called = find_unit(header);  // a column of kilograms-force that is called kgf
-  const ColumnMeaning wanted = meaning_of(to);
+  ColumnMeaning wanted = meaning_of_target(to);
+  if (to.find(':') != std::string::npos) {
+    const Scale scale = scale_of(to).value_or(Scale{});
+    wanted.unit.factor *= scale.factor;
+    wanted.unit.offset -= wanted.unit.factor * scale.zero;
+    notes.push_back("column \"" + header + "\" was read as " + plain_number(scale.factor) + " " + wanted.unit.symbol + " a unit of it, from " + plain_number(scale.zero) + " on");
+    return wanted;
+  }
   const Unit& header_unit = of_header.symbol.empty() && called ? *called : of_header;
   ColumnMeaning meaning = renamed(header_unit, wanted);
   if (called && meaning.unit.symbol == called->symbol && meaning.unit.symbol != wanted.unit.symbol)
@@ -83,7 +138,7 @@ void map_channels(TraceFile& file, const ColumnMap& map) {
   for (Channel& c : file.trace.channels) {
     const std::string header = header_of(c.name, c.unit);
     const auto mapped = map.find(header);
-    if (mapped == map.end() || meaning_of(mapped->second).is_clock) continue;
+    if (mapped == map.end() || meaning_of_target(mapped->second).is_clock) continue;
     const Unit stored = find_unit(c.unit).value_or(Unit{.symbol = c.unit, .canonical = c.unit, .quantity = c.quantity});
     const ColumnMeaning meaning = mapped_meaning(header, stored, mapped->second, file.notes);
     const Unit& unit = meaning.unit;
@@ -115,6 +170,10 @@ std::string column_map_advice(const Trace& trace, std::string_view name, std::st
   for (const Channel& c : trace.channels)
     if (c.unit == unit && known_channel(c.name) == nullptr)
       return "--map " + shell_quoted(header_of(c.name, c.unit) + "=" + wanted + "_" + c.unit);
+  if (wanted == "F_ref")
+    for (const Channel& c : trace.channels)
+      if ((c.unit.empty() || c.quantity == "code") && is_called_load_cell(c.name) && known_channel(c.name) == nullptr)
+        return "--map " + shell_quoted(header_of(c.name, c.unit) + "=F_ref_N:FACTOR:ZERO") + " where it holds counts of a load cell (newtons a count, and the reading without load)";
   for (const Channel& c : trace.channels)  // a column that is called by its unit
     if (const auto called = find_unit(c.name); c.unit.empty() && called && called->canonical == unit)
       return "--map " + shell_quoted(c.name + "=" + wanted + "_" + c.name);

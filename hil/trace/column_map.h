@@ -15,14 +15,18 @@ namespace forcegate {
 
 using ColumnMap = std::map<std::string, std::string>;
 
-/// "NAME=F_ref_N" words of --map, split at the last "=", to a map. Errors: usage.
+/// "NAME=F_ref_N" words of --map, split at the last "=", to a map. A name may be followed by a factor and the reading at zero: "hx711=F_ref_N:1/21543:84211" is
+/// (cell - 84211) / 21543 newtons. Errors: usage.
 Result<ColumnMap> parse_column_map(std::span<const std::string> words);
 
 /// A mapped column that exists nowhere is a typing mistake, and what is then read is not what was meant: usage, with the columns of `traces`.
 Result<void> check_column_map(const ColumnMap& map, std::span<const std::string> mapped, std::span<const Trace* const> traces,
                               const std::filesystem::path& where);
 
-/// What a column is that is mapped to `to`; notes tell where it is called by another unit than it is read in.
+/// What `to` names, without a scale behind it.
+ColumnMeaning meaning_of_target(const std::string& to);
+
+/// What a column is that is mapped to `to`, its scale in the unit; notes tell where it is called by another unit than it is read in.
 ColumnMeaning mapped_meaning(const std::string& header, const Unit& of_header, const std::string& to, std::vector<std::string>& notes);
 
 /// Maps the channels of a file that holds channels and no columns (HDF5, a journal); its clock stays what it is.

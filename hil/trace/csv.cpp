@@ -72,7 +72,7 @@ std::string hint_for_clock(const std::string& cell) {
 Result<void> check_text_columns(const CsvTable& table, const std::string& where, const CsvOptions& options) {
   for (const TextColumn& column : table.text_columns) {
     const auto mapped = options.column_map.find(column.header);
-    const ColumnMeaning meaning = meaning_of(mapped != options.column_map.end() ? mapped->second : column.header);
+    const ColumnMeaning meaning = mapped != options.column_map.end() ? meaning_of_target(mapped->second) : meaning_of(column.header);
     const std::string known = known_name(meaning.name);
     if (!meaning.is_clock && known != "F_ref" && known != "U") continue;
     return fail(ErrorCode::parse, "column \"" + column.header + "\" holds \"" + column.cell + "\", which is no number",

@@ -14,6 +14,7 @@
 
 #include "hil/base/some_of.h"
 #include "hil/base/text.h"
+#include "hil/trace/column_map.h"
 #include "hil/trace/columns.h"
 #include "hil/trace/missing_count.h"
 
@@ -141,7 +142,7 @@ std::string why_no_column(const matvar_t& v) {
 /// "t", "F_ref" and "U" are what every answer is made from; "" for any other.
 std::string needed_name(const std::string& header, const CsvOptions& options) {
   const auto mapped = options.column_map.find(header);
-  const ColumnMeaning meaning = meaning_of(mapped != options.column_map.end() ? mapped->second : header);
+  const ColumnMeaning meaning = mapped != options.column_map.end() ? meaning_of_target(mapped->second) : meaning_of(header);
   if (meaning.is_clock) return "t";
   const std::string known = known_name(meaning.name);
   return known == "F_ref" || known == "U" ? known : std::string();

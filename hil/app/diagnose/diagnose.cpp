@@ -46,6 +46,14 @@ std::string look_alikes(const Finding& f) {
   return out;
 }
 
+// An amplifier bends the output of such a sensor by a percent or two.
+void tell_of_divider(const diagnose::Workspace& w, Diagnosis& d) {
+  constexpr double kMuch = 0.03;  // of the span
+  const auto bends = [&](const Finding& f) { return f.claimed() && f.effect == "static_nonlinearity" && f.effect_rms > kMuch * w.output.scale; };
+  if ((d.unit == "V" || d.unit == "counts") && std::ranges::any_of(d.findings, bends))
+    d.notes.push_back("an output that is bent so much may be that of a divider: --divider OHMS:SUPPLY (:below with the sensor between output and ground) reads the sensor's conductance");
+}
+
 Result<Diagnosis> diagnose_recordings(const CampaignRequest& request, Campaign campaign, const Model& model, RecordPictures* pictures) {
   if (request.maps.empty() && has_unknown_column(campaign)) FORCEGATE_CHECK_OK(check_channels(campaign));
   if (diagnose::is_drift_only(campaign)) {
@@ -59,6 +67,7 @@ Result<Diagnosis> diagnose_recordings(const CampaignRequest& request, Campaign c
   options.pictures = pictures != nullptr;
   FORCEGATE_TRY(diagnose::Diagnosed found, diagnose::diagnose_campaign_in(std::move(campaign), options));
   found.diagnosis.next_experiment = diagnose::propose_experiment(*found.workspace, found.diagnosis);
+  tell_of_divider(*found.workspace, found.diagnosis);
   const bool plain = is_plain_refitted(*found.workspace, found.diagnosis);
   const std::optional<diagnose::Refit> after = pictures != nullptr ? with_claims(*found.workspace, model, found.diagnosis, request.threads) : std::nullopt;
   if (plain) tell_plain_as_refitted(*found.workspace, options, after, found.diagnosis);

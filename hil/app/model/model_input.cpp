@@ -10,6 +10,7 @@
 #include "hil/base/text.h"
 #include "hil/trace/column_map.h"
 #include "hil/trace/columns.h"
+#include "hil/trace/divider.h"
 #include "hil/trace/set_earlier.h"
 
 #include "hil/diagnose/candidates/user_candidates.h"
@@ -49,7 +50,7 @@ namespace {
 
 // Who maps the output onto the force has no output left: "" where no map does so.
 std::string mapped_away(const CampaignRequest& request, const Error& missing) {
-  const auto name_of = [](const std::string& column) { return known_name(meaning_of(column).name); };
+  const auto name_of = [](const std::string& column) { return known_name(meaning_of_target(column).name); };
   const std::string wanted = missing.text.starts_with("no column is the output") ? "U" : "F_ref";
   const Result<ColumnMap> maps = parse_column_map(request.maps);
   if (!maps) return {};
@@ -66,6 +67,10 @@ Result<Campaign> load_recordings(const CampaignRequest& request) {
   options.threads = request.threads;
   FORCEGATE_TRY(options.column_map, parse_column_map(request.maps));
   FORCEGATE_TRY(Campaign campaign, read_campaign(request.campaign, options));
+  if (!request.divider.empty()) {
+    FORCEGATE_TRY(const Divider divider, parse_divider(request.divider));
+    FORCEGATE_CHECK_OK(read_divider(campaign, divider));
+  }
   FORCEGATE_CHECK_OK(set_output_earlier(campaign, request.late_s));
   return campaign;
 }

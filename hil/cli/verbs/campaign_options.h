@@ -11,11 +11,13 @@ inline constexpr double kLatest_s = 60.0;
 
 /// --model.
 Option model_row();
-/// --map, --rate, --late, --threads: how the files of a campaign are read and how many threads work on it.
+/// --divider.
+Option divider_option();
+/// --map, --rate, --divider, --late, --threads: how the files of a campaign are read and how many threads work on it.
 std::vector<Option> campaign_rows();
 /// CAMPAIGN.
 Positional campaign_positional();
-/// The campaign as the next command must name it: quoted, with the --map, --rate and --late that it was read with.
+/// The campaign as the next command must name it: quoted, with the --map, --rate, --divider and --late that it was read with.
 /// `later_s`: with an output that is so much later still.
 std::string campaign_words(const Invocation& in, const std::string& campaign, double later_s = 0.0);
 /// " --model MODEL" where one was given, for the next command; "" otherwise.

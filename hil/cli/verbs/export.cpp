@@ -33,6 +33,7 @@ std::string line_after(const Invocation& in, const ExportResult& answer) {
 std::string refit_on_checked(const Invocation& in) {
   std::string out = "forcegate fit " + shell_quoted(in.text("check")) + " --model " + shell_quoted(in.text("MODEL"));
   for (const std::string& map : in.texts("map")) out += " --map " + shell_quoted(map);
+  if (in.given("divider")) out += " --divider " + shell_quoted(in.text("divider"));
   if (in.given("late")) out += " --late " + in.text("late");
   return out + " -o " + shell_quoted(better_model_name(in.text("MODEL")));
 }
@@ -55,6 +56,7 @@ Result<int> run(const Invocation& in) {
     out.emplace();
     out->campaign = in.text(option);
     out->maps = in.texts("map");
+    out->divider = in.text("divider");
     out->late_s = late_s;
     return out;
   };
@@ -125,6 +127,7 @@ const Registration<Command> kRow{Command{
          {.name = "reference-temperature",
           .value_name = "DEGC",
           .doc = "Where a thermal effect is zero, for a model file that does not say; forcegate fit and --fit write it."},
+         divider_option(),
          {.name = "late", .value_name = "S", .doc = "The output of the campaign is so late behind the force, seconds: it is set as much earlier.", .fallback = "0"},
          {.name = "map",
           .value_name = "COLUMN=NAME",

@@ -24,6 +24,7 @@ std::optional<std::string> export_line(const Invocation& in, const std::string& 
     records.emplace();
     records->campaign = campaign;
     records->maps = in.texts("map");
+    records->divider = in.text("divider");
   }
   const bool shipped = is_shipped_model(model);
   const std::optional<ExportOffer> offer = export_offer(model, records ? &*records : nullptr);
