@@ -130,5 +130,26 @@ TEST_F(PastedLines, ARigThatRepeatsGivesLimitsThatTheGateTakes) {
   EXPECT_EQ(next("forcegate bench selfcheck " + native_), "forcegate gate " + native_);
 }
 
+// Counts of a load cell beside a sensor in a divider: both scales go with every line.
+TEST_F(PastedLines, ALoadCellInCountsAndADividerAreCarriedOn) {
+  std::string csv = "ms,hx711,adc\n";
+  for (int i = 0; i < 12000; ++i) {
+    const double t = 0.01 * i, F = 3.0 + 2.0 * std::sin(1.2 * t) + 0.8 * std::sin(0.2 * t), G = 4e-5 * F + 2e-6, noise = std::sin(1e4 * t);
+    char row[64];
+    std::snprintf(row, sizeof row, "%d,%.0f,%.0f\n", 10 * i, 84211.0 + 21543.0 * F + 40.0 * noise, 1024.0 * G * 1e4 / (1.0 + G * 1e4));
+    csv += row;
+  }
+  write_text(folder / "arduino.csv", csv);
+  const ProcessResult refused = pasted("forcegate diagnose arduino.csv", folder);
+  EXPECT_THAT(refused.err, HasSubstr("--map hx711=F_ref_N:FACTOR:ZERO"));
+  const std::string scales = " --map hx711=F_ref_N:1/21543:84211", whole = scales + " --divider 10k:1024";
+  EXPECT_THAT(pasted("forcegate diagnose arduino.csv" + scales, folder).out, AllOf(HasSubstr("* static_nonlinearity"), HasSubstr("--divider OHMS:SUPPLY")));
+  const std::string fit = next("forcegate diagnose arduino.csv" + whole);
+  EXPECT_EQ(fit, "forcegate fit arduino.csv" + whole + " -o model.toml");
+  const std::string exported = next(fit);
+  EXPECT_THAT(exported, StartsWith("forcegate export model.toml"));
+  EXPECT_THAT(pasted(exported + " --check arduino.csv" + whole, folder).out, HasSubstr("its input U is the conductance in S"));
+}
+
 }  // namespace
 }  // namespace forcegate::test
