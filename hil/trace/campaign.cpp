@@ -62,6 +62,7 @@ void load(Reading& reading, const CampaignOptions& options) {
   record.trace = std::move(read->trace);
   record.trace.name = record.name;
   record.header_line = read->header_line;
+  record.headers = read->headers;
   if (auto note = put_on_common_clock(record.trace)) reading.notes.push_back(std::move(*note));
   // files of Forcegate hold channels that are there to be looked at
   const std::string ending = reading.file.extension().string();

@@ -32,6 +32,7 @@ struct Record {
   std::string name;  ///< file stem
   std::filesystem::path file;  ///< as it was asked for; empty for a record that was never a file
   std::uint64_t header_line = 0;  ///< of a text file; 0 elsewhere
+  std::map<std::string, std::string> headers;  ///< name of a channel -> header of its column as written; of text and MAT files
   std::string
       kind;  ///< ramp, staircase, steps, hold, rest, sine, multisine, sweep, prbs, switch ...; "" unknown
   RecordRole role = RecordRole::fit;

@@ -165,24 +165,32 @@ Result<TraceFile> read_mapped_trace(const std::filesystem::path& path, std::stri
   return file;
 }
 
-std::string column_map_advice(const Trace& trace, std::string_view name, std::string_view unit) {
+std::string written_header(const Channel& channel, const std::map<std::string, std::string>& headers) {
+  const auto written = headers.find(channel.name);
+  if (written != headers.end() && !written->second.empty()) return written->second;
+  const bool tells_unit = !channel.unit.empty() && channel.name.ends_with("_" + channel.unit);  // the second channel of one name
+  return tells_unit ? channel.name : header_of(channel.name, channel.unit);
+}
+
+std::string column_map_advice(const Trace& trace, std::string_view name, std::string_view unit, const std::map<std::string, std::string>& headers) {
+  const auto header = [&](const Channel& c) { return written_header(c, headers); };
   const std::string wanted(name);
   for (const Channel& c : trace.channels)
     if (c.unit == unit && known_channel(c.name) == nullptr)
-      return "--map " + shell_quoted(header_of(c.name, c.unit) + "=" + wanted + "_" + c.unit);
+      return "--map " + shell_quoted(header(c) + "=" + wanted + "_" + c.unit);
   if (wanted == "F_ref")
     for (const Channel& c : trace.channels)
       if ((c.unit.empty() || c.quantity == "code") && is_called_load_cell(c.name) && known_channel(c.name) == nullptr)
-        return "--map " + shell_quoted(header_of(c.name, c.unit) + "=F_ref_N:FACTOR:ZERO") + " where it holds counts of a load cell (newtons a count, and the reading without load)";
+        return "--map " + shell_quoted(header(c) + "=F_ref_N:FACTOR:ZERO") + " where it holds counts of a load cell (newtons a count, and the reading without load)";
   for (const Channel& c : trace.channels)  // a column that is called by its unit
     if (const auto called = find_unit(c.name); c.unit.empty() && called && called->canonical == unit)
-      return "--map " + shell_quoted(c.name + "=" + wanted + "_" + c.name);
+      return "--map " + shell_quoted(header(c) + "=" + wanted + "_" + c.name);
   if (wanted == "U")
     for (const Channel& c : trace.channels) {
       if (!c.unit.empty() || known_channel(c.name) != nullptr) continue;
-      if (is_called_code(c.name)) return "--map " + shell_quoted(c.name + "=U_counts") + " where it holds codes of a converter";
+      if (is_called_code(c.name)) return "--map " + shell_quoted(header(c) + "=U_counts") + " where it holds codes of a converter";
       if (c.name.find('/') != std::string::npos)
-        return "--map " + shell_quoted(c.name + "=U_V") + " where it is a ratio: wherever V stands, parts of the supply are meant";
+        return "--map " + shell_quoted(header(c) + "=U_V") + " where it is a ratio: wherever V stands, parts of the supply are meant";
     }
   // what stands for an output, twice: whichever is taken out, the other one is it
   if (wanted == "U")
@@ -191,7 +199,7 @@ std::string column_map_advice(const Trace& trace, std::string_view name, std::st
       for (const Channel& c : trace.channels)
         if (c.quantity == quantity) of_quantity.push_back(&c);
       if (of_quantity.size() > 1)
-        return "--map " + shell_quoted(header_of(of_quantity.back()->name, of_quantity.back()->unit) + "=unused") + " where " + of_quantity.front()->name + " is the sensor";
+        return "--map " + shell_quoted(header(*of_quantity.back()) + "=unused") + " where " + header(*of_quantity.front()) + " is the sensor";
     }
   return "--map NAME=" + wanted + "_" + std::string(unit);
 }

@@ -36,7 +36,10 @@ void map_channels(TraceFile& file, const ColumnMap& map);
 /// compression.h.
 Result<TraceFile> read_mapped_trace(const std::filesystem::path& path, std::string_view map, double assumed_rate_Hz = 0.0);
 
+/// The header of a column as its file writes it, else as ours do. `headers`: of channels by name.
+std::string written_header(const Channel& channel, const std::map<std::string, std::string>& headers);
+
 /// "--map kgf=F_ref_kgf": what to write where no column is `name` (in `unit`), with the likeliest column.
-std::string column_map_advice(const Trace& trace, std::string_view name, std::string_view unit);
+std::string column_map_advice(const Trace& trace, std::string_view name, std::string_view unit, const std::map<std::string, std::string>& headers = {});
 
 }  // namespace forcegate

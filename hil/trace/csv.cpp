@@ -1,7 +1,6 @@
 #include "hil/trace/csv.h"
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
@@ -82,6 +81,9 @@ Result<void> check_text_columns(const CsvTable& table, const std::string& where,
   return {};
 }
 
+// "min" may be a minimum, "h" a height.
+bool is_called_by_time(std::string_view header) { return header == "s" || header == "ms" || header == "us"; }
+
 std::vector<ColumnMeaning> meanings_of(const CsvTable& table, const CsvOptions& options, TraceFile& out) {
   std::vector<ColumnMeaning> meanings;
   for (const CsvColumn& column : table.columns) {
@@ -100,6 +102,9 @@ std::vector<ColumnMeaning> meanings_of(const CsvTable& table, const CsvOptions& 
       if (!unknown.empty() && meaning.unit.symbol == meaning.unit.canonical && !meaning.unit.symbol.empty())
         out.notes.push_back("\"" + unknown + "\" of column \"" + column.header + "\" is no unit known here: it was read as " + meaning.unit.symbol);
       out.mapped.push_back(mapped->first);
+    } else if (is_called_by_time(column.header)) {
+      meaning.unit = *find_unit(column.header);
+      meaning.note.clear();
     }
     if (column.dates) {  // "Time (ms)" above 10:00:00.250 tells how fine it is
       meaning.unit = *find_unit("s");
@@ -126,8 +131,8 @@ Result<void> check_mapped_once(const CsvTable& table, const std::vector<ColumnMe
 }
 
 /// The first column that is called a clock, else the first one that holds dates or times of day, else the only one of time where no rate is
-/// given, else the only one that is called by a unit of time ("ms"); the number of columns where there is none.
-std::size_t find_clock(const CsvTable& table, std::vector<ColumnMeaning>& meanings, const CsvOptions& options, std::vector<std::string>& notes) {
+/// given; the number of columns where there is none.
+std::size_t find_clock(const CsvTable& table, const std::vector<ColumnMeaning>& meanings, const CsvOptions& options, std::vector<std::string>& notes) {
   const auto named = std::ranges::find_if(meanings, &ColumnMeaning::is_clock);
   if (named != meanings.end()) return static_cast<std::size_t>(named - meanings.begin());
   const auto dated = std::ranges::find_if(table.columns, &CsvColumn::dates);
@@ -135,17 +140,9 @@ std::size_t find_clock(const CsvTable& table, std::vector<ColumnMeaning>& meanin
     notes.push_back("column \"" + dated->header + "\" holds dates or times of day and was taken for the clock");
     return static_cast<std::size_t>(dated - table.columns.begin());
   }
-  if (options.assumed_rate_Hz > 0.0) return table.columns.size();
   const auto counts_time = [](const ColumnMeaning& meaning) { return meaning.unit.quantity == "time" && meaning.name != "unused"; };
-  const auto is_called_time = [&](const ColumnMeaning& meaning) {
-    constexpr std::array<std::string_view, 3> kOfLoggers{"s", "ms", "us"};  // "min" may be a minimum, "h" a height
-    return meaning.unit.symbol.empty() && meaning.name != "unused" &&
-           std::ranges::find(kOfLoggers, table.columns[static_cast<std::size_t>(&meaning - meanings.data())].header) != kOfLoggers.end();
-  };
-  const bool by_unit = std::ranges::count_if(meanings, counts_time) == 1;
-  if (!by_unit && std::ranges::count_if(meanings, is_called_time) != 1) return table.columns.size();
-  const auto only = static_cast<std::size_t>((by_unit ? std::ranges::find_if(meanings, counts_time) : std::ranges::find_if(meanings, is_called_time)) - meanings.begin());
-  if (!by_unit) meanings[only].unit = *find_unit(table.columns[only].header), meanings[only].note.clear();
+  if (options.assumed_rate_Hz > 0.0 || std::ranges::count_if(meanings, counts_time) != 1) return table.columns.size();
+  const auto only = static_cast<std::size_t>(std::ranges::find_if(meanings, counts_time) - meanings.begin());
   notes.push_back("column \"" + table.columns[only].header + "\" was taken for the clock, the only time");
   return only;
 }

@@ -31,10 +31,20 @@ struct Cycles {
   double swing_N = kMissing, middle_N = kMissing;      ///< of the typical half cycle: half its height, and its middle
   double fast_Hz = kMissing, slow_Hz = kMissing;       ///< of the fastest and the slowest tenth
   double typical_Hz = kMissing;
+  std::vector<double> turn_s;  ///< by the clock of the file
 
   double half_span_N() const { return 0.5 * (high_N - low_N); }
   bool cycled() const { return turns >= kFewestTurns; }
   bool even() const { return cycled() && fast_Hz < kHalf * slow_Hz; }
+  /// Turns on end up to `start_s`, where they go on behind it: a rest before it parts them.
+  std::size_t turns_up_to(double start_s) const {
+    const double longest_s = 1.5 / typical_Hz;
+    const auto behind = std::ranges::upper_bound(turn_s, start_s);
+    if (behind == turn_s.begin() || behind == turn_s.end() || *behind - *(behind - 1) > longest_s) return 0;
+    std::size_t n = 1;
+    for (auto at = behind - 1; at != turn_s.begin() && *at - *(at - 1) <= longest_s; --at) ++n;
+    return n;
+  }
 };
 
 Cycles cycles_of(const Trace& trace) {
@@ -54,6 +64,7 @@ Cycles cycles_of(const Trace& trace) {
   if (some.empty() || t_s.size() != F_N.size()) return out;
   const std::vector<Extremum> turns = turning_points(t_s, F_N, kProminence * (quantile_of(some, 1.0 - kTail) - quantile_of(some, kTail)));
   out.turns = turns.size();
+  for (const Extremum& turn : turns) out.turn_s.push_back(turn.t_s);
   std::vector<double> half_s, swing_N, middle_N;
   for (std::size_t k = 1; k < turns.size(); ++k) {
     half_s.push_back(turns[k].t_s - turns[k - 1].t_s);
@@ -86,6 +97,17 @@ class Check {
     if (record_.excitation_start_s && !base.t_s.empty() && *record_.excitation_start_s >= base.t_s.back() &&
         *record_.excitation_start_s >= base.t_s.back() - base.t_s.front())
       drop(record_.excitation_start_s, "excitation_start_s", "s", "the record ends at " + plain_number(base.t_s.back()) + " s", "it is in seconds, since the first sample or by the clock of the file");
+  }
+
+  // By either way of counting it: from the first sample, or by the clock.
+  void start() {
+    if (!record_.excitation_start_s || !seen_.cycled()) return;
+    const std::vector<double>& t_s = record_.trace.time_bases.front().t_s;
+    const double start_s = *record_.excitation_start_s;
+    std::size_t turns = seen_.turns_up_to(start_s);
+    if (t_s.front() != 0.0) turns = std::min(turns, seen_.turns_up_to(t_s.front() + start_s));
+    if (turns >= kFewestTurns)
+      drop(record_.excitation_start_s, "excitation_start_s", "s", "the force turned " + std::to_string(turns) + " times without a rest up to then", "it is where the cycles begin");
   }
 
   void swing() {
@@ -167,6 +189,7 @@ void check_declared_facts(Campaign& campaign) {
   std::vector<std::string> cycled;
   for (Check& check : checks) {
     check.clock();
+    check.start();
     check.swing();
     check.frequency();
     check.kind_of_load(cycled_Hz, cycled);

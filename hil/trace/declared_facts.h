@@ -8,7 +8,7 @@ namespace forcegate {
 /// Compares fs_Hz, excitation_start_s, f_min_Hz (Hz), A_N, m_N (N), dynamic, temp_C (degree Celsius) and humidity_pct of every record with its
 /// clock and its force; each contradiction is a note with the declared and the measured value. What cannot be is taken out, so that it is
 /// estimated as if nobody had said it:
-///   excitation_start_s   not before the end of the record, by its clock and since its first sample
+///   excitation_start_s   not before the end of the record, by its clock and since its first sample; in the midst of cycles, eight turns on end before it
 ///   f_min_Hz             above 1.5 times the fastest tenth of the half cycles
 ///   A_N                  above 1.25 times half the span of all samples of the force
 ///   m_N                  beyond the lowest and highest sample by a tenth of their span

@@ -107,7 +107,7 @@ Result<void> check_channels(const Campaign& campaign) {
       std::string in_grams;
       const std::string of_text = left_out_columns(campaign, record);
       for (const Channel& c : record.trace.channels) {
-        columns.push_back(!c.unit.empty() && c.name.ends_with("_" + c.unit) ? c.name : header_of(c.name, c.unit));
+        columns.push_back(written_header(c, record.headers));
         // a weight in grams: "g" may also be an acceleration, and is no unit here
         if (std::string_view(name) == "F_ref" && c.unit.empty() && (c.name == "g" || c.name.ends_with("_g") || c.name.ends_with("(g)") || c.name.ends_with("[g]")) && in_grams.empty())
           in_grams = c.name;
@@ -116,7 +116,7 @@ Result<void> check_channels(const Campaign& campaign) {
                   std::string("no column is the ") + what + ": there are " + join(columns, ", ") + of_text,
                   record.place_of_header(),
                   of_text.find(" is a meter over its range") != std::string::npos ? "empty the cells where the meter is over its range: they are missing values, or a conductance of 0"
-                  : in_grams.empty() ? "name one, for instance " + column_map_advice(record.trace, name, unit) +
+                  : in_grams.empty() ? "name one, for instance " + column_map_advice(record.trace, name, unit, record.headers) +
                                          (std::string_view(name) == "F_ref" && record.trace.find("U") != nullptr ? "; of an output alone forcegate diagnose tells the drift" : "")
                                    : "if " + in_grams + " is a weight in grams: --map " + shell_quoted(in_grams + "=F_ref_gf"));
     }

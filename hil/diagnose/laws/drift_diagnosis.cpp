@@ -5,9 +5,11 @@
 #include <map>
 
 #include "hil/base/plain_number.h"
+#include "hil/base/text.h"
 #include "hil/diagnose/laws/drift.h"
 #include "hil/model/rows.h"
 #include "hil/trace/channels.h"
+#include "hil/trace/column_map.h"
 #include "hil/trace/columns.h"
 
 namespace forcegate::diagnose {
@@ -16,7 +18,7 @@ namespace {
 
 std::string listed(const Record& record) {
   std::string out;
-  for (const Channel& c : record.trace.channels) out += (out.empty() ? "" : ", ") + header_of(c.name, c.unit);
+  for (const Channel& c : record.trace.channels) out += (out.empty() ? "" : ", ") + written_header(c, record.headers);
   return out;
 }
 
@@ -27,9 +29,8 @@ void tell_unused(const Record& record, const Channel& output, Diagnosis& out) {
     for (const double v : c.value)
       if (std::isfinite(v)) low = std::min(low, v), high = std::max(high, v);
     if (&c == &output || c.name == "temp" || c.name == "F_ref" || !(high > low)) continue;
-    const std::string name = header_of(c.name, c.unit);
-    out.notes.push_back("column \"" + name + "\" is not used; if it is the input, add --map " + name +
-                        "=F_ref_N");
+    const std::string name = written_header(c, record.headers);
+    out.notes.push_back("column \"" + name + "\" is not used; if it is the input, add --map " + shell_quoted(name + "=F_ref_N"));
   }
 }
 

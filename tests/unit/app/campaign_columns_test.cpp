@@ -68,7 +68,7 @@ TEST_F(CampaignColumns, AColumnThatWasLeftOutForItsTextIsNamedWhereItIsMissed) {
 }
 
 TEST_F(CampaignColumns, TheHintForCodesAndRatiosIsWhatTheyAre) {
-  for (const auto& [name, map] : {std::pair{"ADC code", "--map ADC_code=U_counts where it holds codes"}, {"Lectura ADC", "--map Lectura_ADC=U_counts"}, {"raw", "--map raw=U_counts"},
+  for (const auto& [name, map] : {std::pair{"ADC code", "--map 'ADC code=U_counts' where it holds codes"}, {"Lectura ADC", "--map 'Lectura ADC=U_counts'"}, {"raw", "--map raw=U_counts"},
                                   {"Vout/Vcc", "--map Vout/Vcc=U_V where it is a ratio"}, {"Encoder", "--map NAME=U_V"}}) {
     const auto campaign = load_campaign(put(std::string("t_s,F_ref_N,") + name + "\n0,1,17\n1,2,18\n2,3,19\n"));
     ASSERT_FALSE(campaign) << name;

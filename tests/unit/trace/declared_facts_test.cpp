@@ -52,7 +52,25 @@ TEST_F(DeclaredFacts, AnExcitationThatBeginsBehindTheEndIsNotUsed) {
     EXPECT_FALSE(c.records[0].excitation_start_s) << start;
     EXPECT_THAT(c.notes, Contains(AllOf(HasSubstr("a: campaign.json says excitation_start_s"), HasSubstr("the record ends at 40 s"), HasSubstr("not used"))));
   }
-  EXPECT_TRUE(read(R"("excitation_start_s": 39)").records[0].excitation_start_s);
+  EXPECT_TRUE(read(R"("excitation_start_s": 39)", "ramp.csv").records[0].excitation_start_s);
+}
+
+TEST_F(DeclaredFacts, AnExcitationThatBeginsInTheMidstOfCyclesIsNotUsed) {
+  const Campaign c = read(R"("excitation_start_s": 22)");
+  EXPECT_FALSE(c.records[0].excitation_start_s);
+  EXPECT_THAT(c.notes, Contains(AllOf(HasSubstr("a: campaign.json says excitation_start_s 22 s"), HasSubstr("the force turned 22 times without a rest up to then"), HasSubstr("not used"))));
+  EXPECT_TRUE(read(R"("excitation_start_s": 6)").records[0].excitation_start_s) << "a learning phase";
+}
+
+TEST_F(DeclaredFacts, CyclesBeforeARestAreNoContradiction) {
+  std::string text = "t_s,F_ref_N,U_V\n";
+  for (int i = 0; i < 3000; ++i) {
+    const double t_s = 0.02 * i, F_N = t_s > 20.0 && t_s < 30.0 ? 2.0 : 2.0 + std::sin(std::numbers::pi * t_s);
+    text += std::to_string(t_s) + "," + std::to_string(F_N) + "," + std::to_string(2.0 * F_N) + "\n";
+  }
+  put("rested.csv", text);
+  EXPECT_TRUE(read(R"("excitation_start_s": 30)", "rested.csv").records[0].excitation_start_s);
+  EXPECT_FALSE(read(R"("excitation_start_s": 45)", "rested.csv").records[0].excitation_start_s);
 }
 
 TEST_F(DeclaredFacts, AClockThatGoesOnFromOtherRecordsIsNoContradiction) {
