@@ -129,6 +129,48 @@ class LagAndCurveModel {
   LagWithCurve forms_;
 };
 
+/// What a delay and a lag share is told late: along the ridge the one grows by what the other loses, and a climb by one of them at a time comes to rest on it.
+class AlongRidge {
+ public:
+  AlongRidge(LagAndCurveModel& model, const LagWithCurve& forms) : model_(model), forms_(forms) {}
+
+  /// The best lag and curve beside a delay that is `factor` times that of `from`.
+  Point beside(const Point& from, double factor) {
+    constexpr double kLeastOfLag = 0.2;
+    Point start = from;
+    start.delay_s *= factor;
+    start.lag.front() = std::max(kLeastOfLag * from.lag.front(), from.lag.front() + from.delay_s - start.delay_s);
+    if (!start.curve.empty()) start.curve.front() = start.lag.front();
+    return model_.best(forms_, start, Delay::stays);
+  }
+
+  Point top(Point at) {
+    constexpr double kFirst = 0.2, kLast = 0.01, kBetter = 0.01;
+    constexpr int kMostSteps = 30;
+    int direction = 1;
+    bool turned = false;
+    double step = kFirst;
+    for (int n = 0; n < kMostSteps && step > kLast; ++n) {
+      const Point next = beside(at, direction > 0 ? 1.0 + step : 1.0 / (1.0 + step));
+      if (next.evidence > at.evidence + kBetter) {
+        at = next;
+        turned = true;  // the way it came from is worse
+      } else if (!turned) {
+        direction = -direction;
+        turned = true;
+      } else {
+        step *= 0.5;
+        turned = false;
+      }
+    }
+    return at;
+  }
+
+ private:
+  LagAndCurveModel& model_;
+  LagWithCurve forms_;
+};
+
 }  // namespace
 
 void delay_force(CampaignInput& campaign, double delay_s) {
@@ -194,15 +236,15 @@ LateOutput late_output(const Workspace& w, unsigned threads) {
     see(alone);
     delayed({kOnePole, curve}, alone);
   }
+  AlongRidge ridge(model, forms);
+  late = ridge.top(late);
   if (!plain() || late.delay_s <= allowed_latency_s(w.input)) return {};
   for (const auto& [curve, shape] : curves)
     for (const auto& [lag, of_lag] : std::vector<std::pair<std::string, std::vector<double>>>{{"two_poles", {tau_s}}, {"diffusive", {tau_s}}, {"two_speeds", {tau_s, kTypicalRatio}}}) {
       see(model.best({lag, curve}, {0.0, of_lag, shape}, Delay::stays));
       if (!plain()) return {};
     }
-  Point aside = late;
-  aside.delay_s *= 1.0 + kProfile;
-  const double fall = std::max(late.evidence - model.best(forms, aside, Delay::stays).evidence, 1e-3);
+  const double fall = std::max(late.evidence - ridge.beside(late, 1.0 + kProfile).evidence, 1e-3);
   return {late.delay_s, kProfile * late.delay_s / std::sqrt(2.0 * fall), late.lag.front(), late.evidence - without.evidence, late.left / without.left};
 }
 

@@ -44,6 +44,17 @@ TEST(LateOutput, ADelayBehindTheLagIsNamedWithTheBendAndWithItsLength) {
   EXPECT_LT(delay.error_after, 0.8 * delay.error_before);
 }
 
+// The delay may grow by what the lag loses: whoever moves one of them at a time comes to rest half-way.
+TEST(LateOutput, ALongDelayBehindAShortLagIsNotSharedBetweenThem) {
+  constexpr double kLag_s = 0.004, kDelay_s = 0.06;
+  const Diagnosis d = answer_of_fsr(film({kLag_s}, kDelay_s));
+  ASSERT_GE(probability(d, "delay"), 0.9) << told(d);
+  const FoundParameter& length = std::ranges::find(d.findings, "delay", &Finding::effect)->parameters.front();
+  EXPECT_NEAR(length.value, kDelay_s, kLag_s + 0.002) << length.u;
+  EXPECT_LT(length.u, 0.003);
+  EXPECT_LT(d.error_after, 1.5 * d.floor) << told(d);
+}
+
 TEST(LateOutput, TwoPolesAreNoDelay) {
   const Diagnosis d = answer_of_fsr(film({0.05, 0.04}, 0.0));
   EXPECT_LT(probability(d, "delay"), 0.5) << told(d);
