@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "hil/base/portable_math.h"
+#include "hil/rig/velocity_limits.h"
 
 namespace forcegate {
 
@@ -54,17 +54,10 @@ Result<double> SafetyGate::command(double velocity_rad_per_s) {
   }
   const double limit = limits_.velocity_max_rad_per_s > 0.0 ? limits_.velocity_max_rad_per_s
                                                             : geometry_.velocity_max_rad_per_s;
-  double velocity = velocity_rad_per_s;
-  if (limit > 0.0) velocity = std::clamp(velocity, -limit, limit);
   const double theta = rig_.theta_rad();
+  double velocity = cut_to_limits(velocity_rad_per_s, theta, geometry_, limit, rate_max_N_per_s_);
   if (theta >= geometry_.theta_max_rad) velocity = std::min(velocity, 0.0);
   if (theta <= geometry_.theta_min_rad) velocity = std::max(velocity, 0.0);
-  if (rate_max_N_per_s_ > 0.0) {  // the force follows the angle by k e sin(theta)
-    const double slope =
-        std::fabs(geometry_.spring_N_per_mm * geometry_.eccentricity_mm * portable::sin(theta));
-    if (slope * std::fabs(velocity) > rate_max_N_per_s_)
-      velocity = std::copysign(rate_max_N_per_s_ / slope, velocity);
-  }
   if (velocity != velocity_rad_per_s) ++report_.clipped_commands;
   FORCEGATE_CHECK_OK(rig_.command_velocity(velocity));
   return velocity;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "hil/base/text.h"
+#include "hil/rig/velocity_limits.h"
 
 namespace forcegate {
 namespace {
@@ -14,6 +15,7 @@ constexpr double kPeriod_s = 0.01, kSilence_s = 0.25;
 
 Result<SlowMoveEnd> move(BenchSession& s, const SlowMove& m) {
   const RigGeometry& g = s.bench().geometry;
+  const BenchLimits& limits = s.bench().limits;
   if (m.angle_rad < g.theta_min_rad || m.angle_rad > g.theta_max_rad)
     return fail(
         ErrorCode::usage, fmt::format("{:.3f} rad is outside the travel", m.angle_rad),
@@ -24,8 +26,9 @@ Result<SlowMoveEnd> move(BenchSession& s, const SlowMove& m) {
   SlowMoveEnd end{state.theta_rad, state.theta_rad, 0.0};
   FORCEGATE_CHECK_OK(s.reference().start());
   BenchWorld& world = s.world();
-  const double until_s =
-      world.now_s() + 2.0 * std::fabs(m.angle_rad - state.theta_rad) / m.speed_rad_per_s + 2.0;
+  const double steepest_N_per_rad = g.spring_N_per_mm * g.eccentricity_mm,
+               slowest_rad_per_s = std::min({m.speed_rad_per_s, limits.velocity_max_rad_per_s, limits.force_rate_max_N_per_s / steepest_N_per_rad});
+  const double until_s = world.now_s() + 2.0 * std::fabs(m.angle_rad - state.theta_rad) / slowest_rad_per_s + 2.0;
   double seen_s = world.now_s();
   std::vector<ReferenceReading> seen;
   while (std::fabs(state.theta_rad - m.angle_rad) > m.tolerance_rad) {
@@ -37,8 +40,9 @@ Result<SlowMoveEnd> move(BenchSession& s, const SlowMove& m) {
                               state.theta_rad),
                   "motor", "check coupling, scale of 'position' and that the wheel is free");
     const double way = m.angle_rad - state.theta_rad;
-    FORCEGATE_CHECK_OK(
-        s.motor().command_velocity(std::clamp(4.0 * way, -m.speed_rad_per_s, m.speed_rad_per_s)));
+    const double wanted_rad_per_s = std::clamp(4.0 * way, -m.speed_rad_per_s, m.speed_rad_per_s);
+    FORCEGATE_CHECK_OK(s.motor().command_velocity(
+        cut_to_limits(wanted_rad_per_s, state.theta_rad, g, limits.velocity_max_rad_per_s, limits.force_rate_max_N_per_s)));
     FORCEGATE_CHECK_OK(world.advance_to(world.now_s() + kPeriod_s));
     s.beat();
     FORCEGATE_TRY(state, s.motor().read());
@@ -49,7 +53,7 @@ Result<SlowMoveEnd> move(BenchSession& s, const SlowMove& m) {
     FORCEGATE_CHECK_OK(s.reference().poll(seen));
     for (const ReferenceReading& r : seen) {
       end.force_N = static_cast<double>(r.force_N);
-      if (r.status != 0 || !(std::fabs(end.force_N) <= s.bench().limits.force_max_N))
+      if (r.status != 0 || !(std::fabs(end.force_N) <= limits.force_max_N))
         return fail(ErrorCode::safety,
                     fmt::format("the force is {:.2f} N", end.force_N), "reference",
                     "unload the sensor and look for what blocks the wheel");

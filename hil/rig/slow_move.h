@@ -9,7 +9,7 @@ namespace forcegate {
 
 struct SlowMove {
   double angle_rad = 0.0;
-  double speed_rad_per_s = 0.5;
+  double speed_rad_per_s = 0.5;  ///< cut to the limits of the bench
   double tolerance_rad = 0.01;
   const std::atomic<bool>* stop = nullptr;  ///< ends the move when set
 };
