@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "hil/base/text.h"
 #include "hil/rig/velocity_limits.h"
@@ -23,7 +24,7 @@ Result<SlowMoveEnd> move(BenchSession& s, const SlowMove& m) {
         fmt::format("give an angle from {} to {} rad", shortest(g.theta_min_rad), shortest(g.theta_max_rad)));
   FORCEGATE_CHECK_OK(s.arm());
   FORCEGATE_TRY(MotorState state, s.motor().read());
-  SlowMoveEnd end{state.theta_rad, state.theta_rad, 0.0};
+  SlowMoveEnd end{state.theta_rad, state.theta_rad, std::numeric_limits<double>::quiet_NaN()};
   FORCEGATE_CHECK_OK(s.reference().start());
   BenchWorld& world = s.world();
   const double steepest_N_per_rad = g.spring_N_per_mm * g.eccentricity_mm,
@@ -31,7 +32,8 @@ Result<SlowMoveEnd> move(BenchSession& s, const SlowMove& m) {
   const double until_s = world.now_s() + 2.0 * std::fabs(m.angle_rad - state.theta_rad) / slowest_rad_per_s + 2.0;
   double seen_s = world.now_s();
   std::vector<ReferenceReading> seen;
-  while (std::fabs(state.theta_rad - m.angle_rad) > m.tolerance_rad) {
+  // a wheel that stands there already is not left before the reference has said something
+  while (std::fabs(state.theta_rad - m.angle_rad) > m.tolerance_rad || std::isnan(end.force_N)) {
     if (m.stop != nullptr && m.stop->load())
       return fail(ErrorCode::cancelled, "interrupted", s.bench().path.string());
     if (world.now_s() > until_s)
@@ -52,11 +54,13 @@ Result<SlowMoveEnd> move(BenchSession& s, const SlowMove& m) {
     seen.clear();
     FORCEGATE_CHECK_OK(s.reference().poll(seen));
     for (const ReferenceReading& r : seen) {
+      if ((r.status & kRigReferenceSaturated) != 0)
+        return fail(ErrorCode::safety, "the reference is overloaded", "reference", "unload the sensor and look for what blocks the wheel");
       end.force_N = static_cast<double>(r.force_N);
-      if (r.status != 0 || !(std::fabs(end.force_N) <= limits.force_max_N))
-        return fail(ErrorCode::safety,
-                    fmt::format("the force is {:.2f} N", end.force_N), "reference",
-                    "unload the sensor and look for what blocks the wheel");
+      if (r.status != 0 || std::isnan(end.force_N))
+        return fail(ErrorCode::safety, "the reference gives no valid reading", "reference", "check its cable and what its maker says of its error codes");
+      if (!(std::fabs(end.force_N) <= limits.force_max_N))
+        return fail(ErrorCode::safety, fmt::format("the force is {:.2f} N", end.force_N), "reference", "unload the sensor and look for what blocks the wheel");
       seen_s = world.now_s();
     }
     if (world.now_s() - seen_s > kSilence_s)

@@ -41,6 +41,27 @@ TEST(SlowMove, BeyondTheTravelSaysNothingOfAMotorThatNeverMoved) {
   EXPECT_EQ(moved.error().text, "-1.000 rad is outside the travel");
 }
 
+TEST(SlowMove, ToWhereTheWheelStandsTellsWhatTheReferenceReads) {
+  TwinBench b;
+  b.mount();
+  TwinBench::ok(b.session->open());
+  const auto state = b.session->motor().read();
+  ASSERT_TRUE(state) << state.error().to_text();
+  const auto moved = move_slowly(*b.session, {state->theta_rad, 0.5, 0.01, nullptr});
+  ASSERT_TRUE(moved) << moved.error().to_text();
+  EXPECT_NEAR(moved->force_N, 0.5, 0.1);
+}
+
+TEST(SlowMove, ThatMeetsAnOverloadSaysSo) {
+  TwinBench b;
+  b.mount();
+  b.say("fault reference saturation 0 1e9 0 0");
+  const auto moved = move_slowly(*b.session, {1.0, 0.5, 0.01, nullptr});
+  ASSERT_FALSE(moved);
+  EXPECT_EQ(moved.error().code, ErrorCode::safety);
+  EXPECT_EQ(moved.error().text, "the reference is overloaded: the motor is stopped");
+}
+
 // Seconds of the bench from where a record begins to 2 rad, at 5 rad/s if nothing limits it.
 double seconds_to_2_rad(const Changes& changes) {
   TwinBench b("twin.toml", changes);
