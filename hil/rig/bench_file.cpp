@@ -199,6 +199,12 @@ Result<void> check_devices(const BenchFile& b) {
   } nowhere;
   const auto motor = Registry<MotorKind>::instance().find(b.motor_adapter)->make(b.table("motor"), nowhere);
   if (!motor) return Unexpected(motor.error());
+  // A command between the two would end a record in its middle, as a fault of the rig.
+  if (const double takes = (*motor)->velocity_limit_rad_per_s(); b.limits.velocity_max_rad_per_s > takes)
+    return fail(ErrorCode::config,
+                fmt::format("velocity_max_rad_per_s = {} in [limits], and the drive takes no more than {} rad/s in either direction (velocity_set or velocity_max_rad_per_s of [motor])",
+                            shortest(b.limits.velocity_max_rad_per_s), shortest(takes)),
+                b.root.find("limits")->find("velocity_max_rad_per_s")->where, "lower it to " + shortest(takes) + ", or correct the limits of the drive");
   const auto reference =
       Registry<ReferenceKind>::instance().find(b.reference_adapter)->make(b.table("reference"), nowhere);
   if (!reference) return Unexpected(reference.error());
