@@ -70,6 +70,7 @@ TEST(BenchFile, EveryMistakeNamesItsLineAndHelps) {
       {{{"mask = 0x80, equals = 0x80", "equals = 0x10080"}}, "outside of 0xffff"},
       {{{"mask = 0x80, equals = 0x80", "mask = 0x800000, equals = 0"}}, "no bit of register 'status'"},
       {{{"form = \"binary\"", "form = \"hex\""}}, "hex"},
+      {{{"form = \"binary\"", "form = \"binary\"\nsign = 0"}}, "neither -1 nor 1"},
       {{{"comm_timeout = { addr = 0x1000", "comm_timeout = { addr = 0x1000, scale = 0.01"}, {"drive_timeout_ms = 200", "drive_timeout_ms = 40"}},
        "drive_timeout_ms = 40 becomes 0 ms in register 'comm_timeout', which counts in steps of 100 ms"},
       {{{"comm_timeout = { addr = 0x1000", "comm_timeout = { addr = 0x1000, scale = 0.01"}, {"drive_timeout_ms = 200", "drive_timeout_ms = 250"}}, "becomes 200 ms"},
