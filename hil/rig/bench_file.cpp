@@ -37,8 +37,9 @@ Result<void> read_geometry(const ConfigNode& table, RigGeometry& out) {
   in.number("spring_N_per_mm", out.spring_N_per_mm, 1e-4, 1e4, ConfigReader::required);
   in.number("eccentricity_mm", out.eccentricity_mm, 0.01, 1000, ConfigReader::required);
   in.number("preload_mm", out.preload_mm, 0, 1000);
-  in.number("theta_min_rad", out.theta_min_rad, -6.3, 6.3);
-  in.number("theta_max_rad", out.theta_max_rad, -6.3, 6.3);
+  constexpr double kHalfTurn_rad = 3.142;  // pi as people write it
+  in.number("theta_min_rad", out.theta_min_rad, 0.0, kHalfTurn_rad);
+  in.number("theta_max_rad", out.theta_max_rad, 0.0, kHalfTurn_rad);
   if (!(out.theta_min_rad < out.theta_max_rad))
     in.complain(table, "theta_min_rad must be below theta_max_rad");
   return in.finish();

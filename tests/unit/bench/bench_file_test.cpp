@@ -38,6 +38,8 @@ TEST(BenchFile, EveryMistakeNamesItsLineAndHelps) {
       {{{"adapter = \"ati_serial\"", "adapter = \"ati_serail\""}}, "ati_serail"},
       {{{"expires = \"2099-12-31\" }\nspring", "expires = \"soon\" }\nspring"}}, "no date"},
       {{{"eccentricity_mm = 10.0", "eccentricity_mm = -1"}}, "out of range"},
+      {{{"eccentricity_mm = 10.0", "eccentricity_mm = 10.0\ntheta_min_rad = -0.5"}}, "'theta_min_rad' in [geometry] = -0.5 is out of range"},
+      {{{"eccentricity_mm = 10.0", "eccentricity_mm = 10.0\ntheta_max_rad = 3.3"}}, "'theta_max_rad' in [geometry] = 3.3 is out of range"},
       {{{"serial = \"BOARD-T-1\"", "serial = \"BOARD-T-1\"\nv_range_V = 500"}}, "'v_range_V' in [board] = 500 is out of range"},
       {{{"limits = [-40.0, 40.0]", "offset = 0"}}, "limits"},
       {{{"scale = 20860.756700940907", "scale = 0"}}, "must not be 0"},
