@@ -52,10 +52,9 @@ Result<double> SafetyGate::command(double velocity_rad_per_s) {
     stop(StopReason::bad_command, last_t_s_, rig_.force_ref_N());
     return 0.0;
   }
-  const double limit = limits_.velocity_max_rad_per_s > 0.0 ? limits_.velocity_max_rad_per_s
-                                                            : geometry_.velocity_max_rad_per_s;
   const double theta = rig_.theta_rad();
-  double velocity = cut_to_limits(velocity_rad_per_s, theta, geometry_, limit, rate_max_N_per_s_);
+  double velocity = cut_to_limits(velocity_rad_per_s, theta, geometry_, geometry_.velocity_max_rad_per_s, rate_max_N_per_s_);
+  if (const double of_plan = limits_.velocity_max_rad_per_s; of_plan > 0.0) velocity = std::clamp(velocity, -of_plan, of_plan);
   if (theta >= geometry_.theta_max_rad) velocity = std::min(velocity, 0.0);
   if (theta <= geometry_.theta_min_rad) velocity = std::max(velocity, 0.0);
   if (velocity != velocity_rad_per_s) ++report_.clipped_commands;

@@ -12,7 +12,7 @@ namespace forcegate {
 
 struct SafetyLimits {
   double force_max_N = 5.0;             ///< ATI force, pushed or pulled, that stops the record; the sensor's range ends there
-  double velocity_max_rad_per_s = 0.0;  ///< 0: that of the rig's geometry
+  double velocity_max_rad_per_s = 0.0;  ///< beside that of the rig's geometry; 0: that one alone
   int reference_lost_samples = 250;     ///< consecutive samples without a valid ATI reading that stop it
 };
 

@@ -24,6 +24,15 @@ TEST(SafetyGate, clips_a_velocity_to_the_limit_of_the_drive) {
   EXPECT_EQ(gate.report().clipped_commands, 2u);
 }
 
+TEST(SafetyGate, clips_to_the_lower_velocity_of_plan_and_rig) {
+  for (const auto& [of_plan, cut] : {std::pair{200.0, 60.0}, {10.0, 10.0}}) {
+    Bench b;
+    SafetyGate gate(b.rig, {.velocity_max_rad_per_s = of_plan});
+    ASSERT_TRUE(gate.begin({}));
+    EXPECT_EQ(*gate.command(1e6), cut);
+  }
+}
+
 TEST(SafetyGate, stops_for_good_when_the_force_exceeds_the_limit) {
   Bench b;
   SafetyGate gate(b.rig, {.force_max_N = 2.0});
