@@ -8,6 +8,12 @@
 
 namespace forcegate {
 
+namespace {
+
+constexpr double kLongestBlind_s = 0.25;  // 250 samples are more than that on a slow board
+
+}  // namespace
+
 std::string_view to_string(StopReason reason) {
   switch (reason) {
     case StopReason::none: return "none";
@@ -34,6 +40,7 @@ Result<void> SafetyGate::begin(const RigRecordRequest& request) {
   geometry_ = info.geometry;
   can_move_ = info.can_move;
   rate_max_N_per_s_ = info.force_rate_max_N_per_s;
+  lost_max_ = std::min(limits_.reference_lost_samples, std::max(1, static_cast<int>(std::ceil(kLongestBlind_s * info.rate_Hz))));
   if (can_move_ && info.force_max_N > 0.0) force_max_N_ = std::min(limits_.force_max_N, info.force_max_N);
   return {};
 }
@@ -97,7 +104,7 @@ Result<std::size_t> SafetyGate::run(std::size_t n, RigBlock& out, std::size_t at
     if (status & kRigSafetyStop) reason = StopReason::rig_stopped;
     if (status & kRigMotorFault) reason = StopReason::motor_fault;
     if ((status & kReferenceBad) || !std::isfinite(force_N)) {
-      if (++lost_run_ >= limits_.reference_lost_samples) reason = StopReason::reference_lost;
+      if (++lost_run_ >= lost_max_) reason = StopReason::reference_lost;
     } else {
       lost_run_ = 0;
       if (std::fabs(force_N) > force_max_N_) reason = StopReason::force_limit;

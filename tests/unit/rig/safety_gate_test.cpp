@@ -47,6 +47,19 @@ TEST(SafetyGate, stops_for_good_when_the_force_exceeds_the_limit) {
   EXPECT_EQ(*gate.command(1.0), 0.0);
 }
 
+TEST(SafetyGate, goes_on_blind_for_a_quarter_of_a_second_at_any_rate) {
+  Bench b;
+  b.rig.change_info().rate_Hz = 100.0;
+  b.rig.spoil = [](std::size_t row, double t_s, RigBlock& block) {
+    if (t_s > 0.995) block.force_ref_N[row] = std::nanf("");
+  };
+  SafetyGate gate(b.rig, {});
+  ASSERT_TRUE(gate.begin({}));
+  ASSERT_TRUE(gate.run(1000, b.block, 0));
+  EXPECT_EQ(gate.report().reason, StopReason::reference_lost);
+  EXPECT_NEAR(gate.report().t_s, 1.25, 0.02);
+}
+
 TEST(SafetyGate, stops_when_the_sensor_is_pulled_beyond_the_limit) {
   Bench b;
   b.rig.spoil = [](std::size_t row, double t_s, RigBlock& block) { block.force_ref_N[row] = t_s < 0.5 ? -1.9f : -2.1f; };
