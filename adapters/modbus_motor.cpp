@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <optional>
@@ -151,6 +152,10 @@ class ModbusMotor final : public MotorDrive {
   }
 
   double drive_timeout_s() const override { return map_.heartbeat.drive_timeout_ms * 1e-3; }
+  double velocity_limit_rad_per_s() const override {
+    const Register& set = map_.reg.at("velocity_set");
+    return std::min(-*set.low, *set.high);
+  }
 
   std::map<std::string, std::uint64_t> counts() const override {
     return {{"retries", retries_},

@@ -104,6 +104,7 @@ class ProcessMotor final : public MotorDrive {
   }
 
   double drive_timeout_s() const override { return drive_timeout_s_; }
+  double velocity_limit_rad_per_s() const override { return velocity_max_rad_per_s_; }
   std::map<std::string, std::uint64_t> counts() const override { return program_.counts(); }
   ClockFit clock() const override { return program_.clock().fit(); }
 

@@ -90,6 +90,9 @@ Result<std::unique_ptr<Stimulus>> make(const StimulusSpec& spec) {
     sum_A += A[i];
   }
   FORCEGATE_CHECK_OK(check_contact("multisine", p.at("m_N") - sum_A));
+  if (const double whole_s = p.at("ramp_s") + p.at("fade_s"); whole_s >= p.at("duration_s"))
+    return fail(ErrorCode::usage, "stimulus 'multisine' has its full size at " + shortest(whole_s) + " s, loading ramp and fade included, and ends at " + shortest(p.at("duration_s")) + " s", {},
+                "raise duration_s or lower fade_s");
   return std::unique_ptr<Stimulus>(std::make_unique<Multisine>(
       std::move(components), p.at("m_N"), p.at("duration_s"), p.at("ramp_s"), p.at("fade_s")));
 }

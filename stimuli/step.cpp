@@ -30,6 +30,9 @@ class Step final : public Profile {
 
 Result<std::unique_ptr<Stimulus>> make(const StimulusSpec& spec) {
   const auto& p = spec.numbers;
+  if (const double steps_s = p.at("ramp_s") + p.at("at_s"); steps_s >= p.at("duration_s"))
+    return fail(ErrorCode::usage, "stimulus 'step' would step at " + shortest(steps_s) + " s, its loading ramp included, and ends at " + shortest(p.at("duration_s")) + " s", {},
+                "raise duration_s or lower at_s; a force that stays is a rest");
   return std::unique_ptr<Stimulus>(std::make_unique<Step>(
       p.at("low_N"), p.at("high_N"), p.at("at_s"), p.at("hold_s"), p.at("duration_s"), p.at("ramp_s")));
 }

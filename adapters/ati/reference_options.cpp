@@ -11,7 +11,7 @@ void read_reference_options(ConfigReader& in, ReferenceOptions& o) {
   std::int64_t sign = o.sign < 0.0 ? -1 : 1;
   for (const char* elsewhere : {"adapter", "calibration_expires", "u_rel"}) in.any(elsewhere);
   in.choice("axis", axis, {"Fx", "Fy", "Fz"});
-  in.integer("sign", sign, -1, 1);
+  if (in.integer("sign", sign, -1, 1) && sign == 0) in.complain(*in.any("sign"), "'sign' in [reference] = 0 is neither -1 nor 1", "-1: pressing the sensor reads negative");
   in.number("resolution_N", o.resolution_N, 1e-6, 10, ConfigReader::required);
   in.number("noise_N", o.noise_N, 0, 10);
   in.number("force_max_N", o.force_max_N, 0.1, 100000, ConfigReader::required);

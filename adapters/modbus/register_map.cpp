@@ -180,6 +180,12 @@ Result<void> require(bool there, const std::string& what, const std::string& whe
   return fail(ErrorCode::config, "the register map has no " + what, where, std::move(hint));
 }
 
+Result<std::vector<std::uint16_t>> encode_timeout(const Register& reg, double timeout_ms, const std::string& where) {
+  auto words = encode(reg, timeout_ms);
+  if (words) return words;
+  return fail(ErrorCode::config, "drive_timeout_ms: " + words.error().text, where, "give another time, or correct type, scale and limits of the register");
+}
+
 Result<Heartbeat> read_heartbeat(const ConfigNode& node, const RegisterMap& map) {
   Heartbeat h;
   ConfigReader in(node, "[motor.heartbeat]", kGuide);
@@ -196,6 +202,14 @@ Result<Heartbeat> read_heartbeat(const ConfigNode& node, const RegisterMap& map)
                   node.where);
   if (map.reg.at(h.reg).size() != 1)
     return fail(ErrorCode::config, "the heartbeat register must have 16 bits", node.where);
+  // Of a register in coarser steps another timeout would be armed, and 0 mostly means none at all.
+  constexpr double kAsDeclared_ms = 0.5;
+  const Register& timeout = map.reg.at(h.drive_timeout_reg);
+  FORCEGATE_TRY(const auto words, encode_timeout(timeout, static_cast<double>(timeout_ms), node.where));
+  FORCEGATE_TRY(const double held_ms, decode(timeout, words));
+  if (!(std::abs(held_ms - static_cast<double>(timeout_ms)) <= kAsDeclared_ms))
+    return fail(ErrorCode::config, fmt::format("drive_timeout_ms = {} becomes {} ms in register '{}', which counts in steps of {} ms", timeout_ms, shortest(held_ms), timeout.name, shortest(std::abs(1.0 / timeout.scale))),
+                node.where, "give a multiple of its step, or correct 'scale' of the register (raw = scale * milliseconds + offset)");
   h.max_missed = static_cast<int>(missed);
   h.drive_timeout_ms = static_cast<int>(timeout_ms);
   return h;
@@ -296,8 +310,11 @@ Result<RegisterMap> read_register_map(ConfigReader& motor, int address_base) {
                              "displacement comes from reading back the position, never from the set-point"));
   FORCEGATE_CHECK_OK(
       require(map.reg.contains("velocity_set"), "register 'velocity_set' (rad/s)", registers->where, {}));
-  FORCEGATE_CHECK_OK(require(map.reg.at("velocity_set").low.has_value(), "limits for 'velocity_set'",
-                             registers->where, "add limits = [-V, V] in rad/s"));
+  const Register& velocity = map.reg.at("velocity_set");
+  FORCEGATE_CHECK_OK(require(velocity.low.has_value(), "limits for 'velocity_set'", registers->where, "add limits = [-V, V] in rad/s"));
+  if (*velocity.low >= 0.0 || *velocity.high <= 0.0)
+    return fail(ErrorCode::config, fmt::format("the limits of 'velocity_set' are [{}, {}] rad/s: the wheel must turn either way", shortest(*velocity.low), shortest(*velocity.high)),
+                registers->find("velocity_set")->where, "write limits = [-V, V] in rad/s");
   for (const char* name : {"enable", "run", "stop", "emergency"})
     FORCEGATE_CHECK_OK(require(map.cmd.contains(name), fmt::format("command '{}'", name), commands->where,
                                "every drive must be able to stop"));

@@ -57,13 +57,15 @@ install_missing() {
     install -y -qq --no-install-recommends "${missing[@]}"
 }
 
-# configure DIR OPTIONS...: runs cmake only when the options or the folder are new; the build reruns it by itself.
+# configure DIR OPTIONS...: runs cmake only when the options or the folder are new; the build reruns it by itself. What failed is run again:
+# a folder that was never configured so must not be built, and tested, with the options before.
 configure() {
   local dir=$1 options
   shift
   options="$*"
   if [ -f "$dir/build.ninja" ] && [ "$(cat "$dir/.forcegate-options" 2>/dev/null)" = "$options" ]; then return 0; fi
-  cmake -S . -B "$dir" -G Ninja "$@"
+  rm -f "$dir/.forcegate-options"
+  cmake -S . -B "$dir" -G Ninja "$@" || return
   printf '%s' "$options" >"$dir/.forcegate-options"
 }
 

@@ -217,6 +217,18 @@ class OneDefinition(unittest.TestCase):
 ROOT = Path(__file__).resolve().parents[2]
 
 
+class Stages(unittest.TestCase):
+    def test_a_folder_that_could_not_be_configured_is_not_taken_for_configured(self):
+        with tempfile.TemporaryDirectory() as folder:
+            cmake = Path(folder) / "cmake"
+            cmake.write_text("#!/bin/sh\ncase \"$*\" in *BAD*) exit 1;; esac\nmkdir -p build && : >build/build.ninja\n")
+            cmake.chmod(0o755)
+            # as in a stage, whose code is looked at: there bash ignores "set -e"
+            script = f'set -e; . {ROOT}/ci/lib/stages.sh; PATH={folder}:$PATH; for o in good BAD BAD good; do if configure build $o; then echo yes; else echo no; fi; done'
+            got = subprocess.run(["bash", "-c", script], cwd=folder, capture_output=True, text=True, check=True)
+        self.assertEqual(got.stdout.split(), ["yes", "no", "no", "yes"], got.stderr)
+
+
 class Nightly(unittest.TestCase):
     def code(self, first, second):
         got = subprocess.run(["bash", "-c", f". ci/lib/stages.sh; worse_code {first} {second}"], cwd=ROOT, capture_output=True, text=True, check=True)

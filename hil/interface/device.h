@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -61,6 +62,8 @@ class MotorDrive : public Device {
     return fail(ErrorCode::config, "this adapter cannot reset the fault of its drive", "motor", "find its cause, then reset it at the drive");
   }
   virtual double drive_timeout_s() const = 0;
+  /// Largest speed that it takes in either direction; infinite: it does not say.
+  virtual double velocity_limit_rad_per_s() const { return std::numeric_limits<double>::infinity(); }
 };
 
 struct ReferenceReading {

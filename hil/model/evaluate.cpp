@@ -1,4 +1,7 @@
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 
 #include "hil/model/model.h"
 
@@ -33,9 +36,13 @@ Result<std::vector<double>> model_output_V(const Model& model, const CampaignInF
                                                     static_cast<Eigen::Index>(effect.strength.size()));
     form->columns(campaign.input(), record, shape, columns);
     for (std::size_t j = 0; j < effect.strength.size(); ++j)
-      for (std::size_t i = 0; i < record.rows(); ++i)
-        out[i] += gain * effect.strength[j].value *
-                  columns(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+      for (std::size_t i = 0; i < record.rows(); ++i) {
+        const double added = gain * effect.strength[j].value * columns(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+        if (!std::isfinite(added))
+          return fail(ErrorCode::config, fmt::format("the effect {} ({}) gives a value that is not finite at {:.4g} s", effect.effect, effect.form, record.t_s[i]), record.name,
+                      "check its shape in the model file: bounds that the file widens may leave what the effect can be computed for");
+        out[i] += added;
+      }
   }
   for (const UserEffect& effect : model.user_effects) {
     FORCEGATE_TRY(const std::vector<double> added, user_effect_N(effect, record));

@@ -105,7 +105,7 @@ Result<ModelParameter> read_parameter(const toml::node& node, const std::string&
   FORCEGATE_TRY(p.minimum, value_of(*table, "min", -1e300, where));
   FORCEGATE_TRY(p.maximum, value_of(*table, "max", 1e300, where));
   FORCEGATE_TRY(p.neutral, value_of(*table, "neutral", 0.0, where));
-  if (p.value < p.minimum || p.value > p.maximum)
+  if (!(p.value >= p.minimum && p.value <= p.maximum))  // a bound may be nan
     return fail(ErrorCode::config,
                 fmt::format("{} = {} lies outside [{}, {}]", name, p.value, p.minimum, p.maximum),
                 place(where, node), "change the value or its bounds");
@@ -322,7 +322,9 @@ Result<Model> parse_model(std::string_view text, const std::string& where) {
       continue;
     }
     const EffectKind* kind = EffectRegistry::instance().find(name);
-    if (kind == nullptr || kind->forms.empty()) {
+    if (kind != nullptr && kind->forms.empty())
+      return fail(ErrorCode::config, name + " is found in the samples and is no part of a model: nothing of it can be computed from the force", place(where, *table), "take it out");
+    if (kind == nullptr) {
       const std::string near = nearest_name(name, EffectRegistry::instance().names());
       return fail(ErrorCode::config, "no effect \"" + name + "\"", place(where, *table),
                   near.empty() ? "give equations (output = ...) for an effect of your own"

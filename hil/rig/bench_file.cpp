@@ -37,8 +37,9 @@ Result<void> read_geometry(const ConfigNode& table, RigGeometry& out) {
   in.number("spring_N_per_mm", out.spring_N_per_mm, 1e-4, 1e4, ConfigReader::required);
   in.number("eccentricity_mm", out.eccentricity_mm, 0.01, 1000, ConfigReader::required);
   in.number("preload_mm", out.preload_mm, 0, 1000);
-  in.number("theta_min_rad", out.theta_min_rad, -6.3, 6.3);
-  in.number("theta_max_rad", out.theta_max_rad, -6.3, 6.3);
+  constexpr double kHalfTurn_rad = 3.142;  // pi as people write it
+  in.number("theta_min_rad", out.theta_min_rad, 0.0, kHalfTurn_rad);
+  in.number("theta_max_rad", out.theta_max_rad, 0.0, kHalfTurn_rad);
   if (!(out.theta_min_rad < out.theta_max_rad))
     in.complain(table, "theta_min_rad must be below theta_max_rad");
   return in.finish();
@@ -199,6 +200,12 @@ Result<void> check_devices(const BenchFile& b) {
   } nowhere;
   const auto motor = Registry<MotorKind>::instance().find(b.motor_adapter)->make(b.table("motor"), nowhere);
   if (!motor) return Unexpected(motor.error());
+  // A command between the two would end a record in its middle, as a fault of the rig.
+  if (const double takes = (*motor)->velocity_limit_rad_per_s(); b.limits.velocity_max_rad_per_s > takes)
+    return fail(ErrorCode::config,
+                fmt::format("velocity_max_rad_per_s = {} in [limits], and the drive takes no more than {} rad/s in either direction (velocity_set or velocity_max_rad_per_s of [motor])",
+                            shortest(b.limits.velocity_max_rad_per_s), shortest(takes)),
+                b.root.find("limits")->find("velocity_max_rad_per_s")->where, "lower it to " + shortest(takes) + ", or correct the limits of the drive");
   const auto reference =
       Registry<ReferenceKind>::instance().find(b.reference_adapter)->make(b.table("reference"), nowhere);
   if (!reference) return Unexpected(reference.error());

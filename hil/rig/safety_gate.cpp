@@ -4,9 +4,15 @@
 #include <cmath>
 #include <limits>
 
-#include "hil/base/portable_math.h"
+#include "hil/rig/velocity_limits.h"
 
 namespace forcegate {
+
+namespace {
+
+constexpr double kLongestBlind_s = 0.25;  // 250 samples are more than that on a slow board
+
+}  // namespace
 
 std::string_view to_string(StopReason reason) {
   switch (reason) {
@@ -34,6 +40,7 @@ Result<void> SafetyGate::begin(const RigRecordRequest& request) {
   geometry_ = info.geometry;
   can_move_ = info.can_move;
   rate_max_N_per_s_ = info.force_rate_max_N_per_s;
+  lost_max_ = std::min(limits_.reference_lost_samples, std::max(1, static_cast<int>(std::ceil(kLongestBlind_s * info.rate_Hz))));
   if (can_move_ && info.force_max_N > 0.0) force_max_N_ = std::min(limits_.force_max_N, info.force_max_N);
   return {};
 }
@@ -52,19 +59,11 @@ Result<double> SafetyGate::command(double velocity_rad_per_s) {
     stop(StopReason::bad_command, last_t_s_, rig_.force_ref_N());
     return 0.0;
   }
-  const double limit = limits_.velocity_max_rad_per_s > 0.0 ? limits_.velocity_max_rad_per_s
-                                                            : geometry_.velocity_max_rad_per_s;
-  double velocity = velocity_rad_per_s;
-  if (limit > 0.0) velocity = std::clamp(velocity, -limit, limit);
   const double theta = rig_.theta_rad();
+  double velocity = cut_to_limits(velocity_rad_per_s, theta, geometry_, geometry_.velocity_max_rad_per_s, rate_max_N_per_s_);
+  if (const double of_plan = limits_.velocity_max_rad_per_s; of_plan > 0.0) velocity = std::clamp(velocity, -of_plan, of_plan);
   if (theta >= geometry_.theta_max_rad) velocity = std::min(velocity, 0.0);
   if (theta <= geometry_.theta_min_rad) velocity = std::max(velocity, 0.0);
-  if (rate_max_N_per_s_ > 0.0) {  // the force follows the angle by k e sin(theta)
-    const double slope =
-        std::fabs(geometry_.spring_N_per_mm * geometry_.eccentricity_mm * portable::sin(theta));
-    if (slope * std::fabs(velocity) > rate_max_N_per_s_)
-      velocity = std::copysign(rate_max_N_per_s_ / slope, velocity);
-  }
   if (velocity != velocity_rad_per_s) ++report_.clipped_commands;
   FORCEGATE_CHECK_OK(rig_.command_velocity(velocity));
   return velocity;
@@ -105,7 +104,7 @@ Result<std::size_t> SafetyGate::run(std::size_t n, RigBlock& out, std::size_t at
     if (status & kRigSafetyStop) reason = StopReason::rig_stopped;
     if (status & kRigMotorFault) reason = StopReason::motor_fault;
     if ((status & kReferenceBad) || !std::isfinite(force_N)) {
-      if (++lost_run_ >= limits_.reference_lost_samples) reason = StopReason::reference_lost;
+      if (++lost_run_ >= lost_max_) reason = StopReason::reference_lost;
     } else {
       lost_run_ = 0;
       if (std::fabs(force_N) > force_max_N_) reason = StopReason::force_limit;

@@ -12,8 +12,8 @@ namespace forcegate {
 
 struct SafetyLimits {
   double force_max_N = 5.0;             ///< ATI force, pushed or pulled, that stops the record; the sensor's range ends there
-  double velocity_max_rad_per_s = 0.0;  ///< 0: that of the rig's geometry
-  int reference_lost_samples = 250;     ///< consecutive samples without a valid ATI reading that stop it
+  double velocity_max_rad_per_s = 0.0;  ///< beside that of the rig's geometry; 0: that one alone
+  int reference_lost_samples = 250;     ///< consecutive samples without a valid ATI reading that stop it, at most 0.25 s of them
 };
 
 enum class StopReason { none, force_limit, reference_lost, motor_fault, bad_command, rig_stopped };
@@ -60,7 +60,7 @@ class SafetyGate {
   double force_max_N_ = 0.0;  ///< the weaker of plan and bench
   RigGeometry geometry_;
   bool can_move_ = false;
-  int lost_run_ = 0;
+  int lost_run_ = 0, lost_max_ = 0;
   double last_t_s_ = 0.0;
   SafetyReport report_;
 };

@@ -9,7 +9,7 @@ namespace forcegate {
 
 struct SlowMove {
   double angle_rad = 0.0;
-  double speed_rad_per_s = 0.5;
+  double speed_rad_per_s = 0.5;  ///< cut to the limits of the bench
   double tolerance_rad = 0.01;
   const std::atomic<bool>* stop = nullptr;  ///< ends the move when set
 };
@@ -19,9 +19,9 @@ struct SlowMoveEnd {
   double force_N = 0.0;  ///< last reading of the reference
 };
 
-/// Arms the bench, starts the reference, moves, stops the motor; the reference goes on. On every error the motor is
-/// stopped before it is told, and the error says whether the drive has confirmed that: safety (force beyond the bench's limit in either direction, reference silent or invalid for 0.25 s), device (drive
-/// fault, wheel that does not get there), usage (angle outside the travel), cancelled.
+/// Arms the bench, starts the reference, moves, stops the motor; the reference goes on. On every error the motor is stopped before it is told, and
+/// the error says whether the drive has confirmed that: safety (force beyond the bench's limit in either direction, a reading that is not valid, a
+/// reference that is silent for 0.25 s), device (drive fault, wheel that does not get there), usage (angle outside the travel), cancelled.
 Result<SlowMoveEnd> move_slowly(BenchSession& session, const SlowMove& move);
 
 }  // namespace forcegate

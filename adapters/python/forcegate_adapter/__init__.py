@@ -13,8 +13,8 @@ An adapter is one class and one call:
 docs/adapters.md tells the whole of it.
 """
 
-from .base import Adapter, AdapterError, BoardAdapter, MotorAdapter, Reading, ReferenceAdapter, Sample, serve
+from .base import Adapter, AdapterError, BoardAdapter, MotorAdapter, Reading, ReferenceAdapter, Sample, check_options, serve
 from .ports import find_ports, open_port
 
-__all__ = ["Adapter", "AdapterError", "BoardAdapter", "MotorAdapter", "Reading", "ReferenceAdapter", "Sample", "find_ports",
-           "open_port", "serve"]
+__all__ = ["Adapter", "AdapterError", "BoardAdapter", "MotorAdapter", "Reading", "ReferenceAdapter", "Sample", "check_options",
+           "find_ports", "open_port", "serve"]

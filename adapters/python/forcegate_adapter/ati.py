@@ -1,15 +1,17 @@
 """ATI stand-alone F/T controller on RS-232 (ATI 9620-05-CTL): an example of a reference adapter.
 
-options: baud = 38400, counts_per_force, axis = "Fz", checksum = true
+options: baud = 38400, counts_per_force, units = "N" or "lbf" of the calibration sheet, axis = "Fz", sign = 1 or -1 (pressing the
+sensor reads negative), checksum = true
 """
 
 import struct
 import time
 
-from .base import SATURATED, AdapterError, Reading, ReferenceAdapter
+from .base import FAULT, SATURATED, AdapterError, Reading, ReferenceAdapter, check_options
 from .ports import open_port
 
-AXES = ("Fx", "Fy", "Fz", "Tx", "Ty", "Tz")
+AXES = ("Fx", "Fy", "Fz")
+NEWTONS = {"N": 1.0, "lbf": 4.4482216152605}
 
 
 def parse_record(data, checksum):
@@ -27,11 +29,20 @@ def parse_record(data, checksum):
     return data[0], struct.unpack(">6h", bytes(data[1:13]))
 
 
+def _choice(options, key, otherwise, choices):
+    value = options.get(key, otherwise)
+    if value not in choices:
+        raise AdapterError(f"the option {key} cannot be {value!r}", "choose one of: " + ", ".join(map(str, choices)))
+    return value
+
+
 class AtiSerial(ReferenceAdapter):
     def open(self, port, options, exclusive):
+        check_options(options, ("baud", "counts_per_force", "units", "axis", "sign", "checksum"), ("counts_per_force",))
         self.baud = int(options.get("baud", 38400))
-        self.scale = float(options["counts_per_force"])
-        self.axis = AXES.index(options.get("axis", "Fz"))
+        newtons, sign = NEWTONS[_choice(options, "units", "N", NEWTONS)], _choice(options, "sign", 1, (1, -1))
+        self.newtons_per_count = sign * newtons / float(options["counts_per_force"])
+        self.axis = AXES.index(_choice(options, "axis", "Fz", AXES))
         self.checksum = bool(options.get("checksum", True))
         self.line = open_port(port, self.baud, exclusive=exclusive)
         self.data = bytearray()
@@ -155,5 +166,5 @@ class AtiSerial(ReferenceAdapter):
             if now_s < self.settled_s or t_s <= self.last_s:
                 continue
             self.last_s = t_s
-            force_N = None if error else counts[self.axis] / self.scale
-            readings.append(Reading(t_s, force_N, SATURATED if error else 0))
+            force_N = None if error else counts[self.axis] * self.newtons_per_count
+            readings.append(Reading(t_s, force_N, SATURATED if error == 1 else FAULT if error else 0))

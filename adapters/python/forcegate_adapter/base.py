@@ -1,5 +1,6 @@
 """What every adapter has in common: its verbs, and the loop that serves them on standard input and output."""
 
+import difflib
 import json
 import math
 import sys
@@ -16,6 +17,17 @@ class AdapterError(Exception):
     def __init__(self, text, hint=""):
         super().__init__(text)
         self.hint = hint
+
+
+def check_options(options, known, required=()):
+    """AdapterError for an option that is none of `known`, which nobody would hear, and for one of `required` that is missing."""
+    for key in options:
+        if key not in known:
+            near = difflib.get_close_matches(key, known, 1)
+            raise AdapterError(f"this adapter has no option '{key}'", f"did you mean '{near[0]}'?" if near else "it has: " + ", ".join(known))
+    for key in required:
+        if key not in options:
+            raise AdapterError(f"the option '{key}' is missing", f"write options = {{ {key} = ... }} into the instrument's table of the bench file")
 
 
 class Reading(NamedTuple):

@@ -7,12 +7,13 @@ import struct
 import time
 
 from . import link
-from .base import AdapterError, BoardAdapter, Sample
+from .base import AdapterError, BoardAdapter, Sample, check_options
 from .ports import open_port
 
 
 class LinkBoard(BoardAdapter):
     def open(self, port, options, exclusive):
+        check_options(options, ("baud", "batch"))
         self.batch = int(options.get("batch", 10))
         self.line = open_port(port, int(options.get("baud", 460800)), exclusive=exclusive)
         self.splitter = link.Splitter()

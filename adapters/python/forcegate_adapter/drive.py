@@ -1,13 +1,13 @@
 """Velocity drive on Modbus RTU: an example of a motor adapter, for drives with a control word.
 
-options: baud = 115200, slave = 1, and register numbers (wire addresses from 0), by default those of rigs/twin_rtu.toml
+options: baud = 115200, parity = "N", "E" or "O", slave = 1, and register numbers (wire addresses from 0), by default those of rigs/twin_rtu.toml
 """
 
 import math
 import struct
 import time
 
-from .base import AdapterError, MotorAdapter
+from .base import AdapterError, MotorAdapter, check_options
 from .ports import open_port
 
 REGISTERS = {"control": 0x7D, "status": 0x100, "scratch": 0x106, "velocity_set": 0x480, "comm_timeout": 0x1000}
@@ -27,9 +27,10 @@ def crc16(data):
 
 class RtuDrive(MotorAdapter):
     def open(self, port, options, exclusive):
+        check_options(options, ("baud", "parity", "slave", *REGISTERS))
         self.slave = int(options.get("slave", 1))
         self.register = {name: int(options.get(name, number)) for name, number in REGISTERS.items()}
-        self.line = open_port(port, int(options.get("baud", 115200)), exclusive=exclusive)
+        self.line = open_port(port, int(options.get("baud", 115200)), options.get("parity", "N"), exclusive)
         self.counter = 0
         return {"model": "Modbus RTU drive"}
 

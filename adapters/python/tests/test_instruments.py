@@ -8,6 +8,8 @@ import unittest
 import serial
 
 from forcegate_adapter import AdapterError
+from forcegate_adapter.base import FAULT, SATURATED
+from forcegate_adapter.board import LinkBoard
 from forcegate_adapter.ati import AtiSerial, parse_record
 from forcegate_adapter.ati_twin import AtiTwin, record
 from forcegate_adapter.drive import RtuDrive, crc16
@@ -132,6 +134,40 @@ class Ati(Played):
         with self.assertRaises(AdapterError) as caught:
             AtiSerial().open(self.cable.ports[0], {"counts_per_force": 1000}, True)
         self.assertIn("does not answer", str(caught.exception))
+
+
+    def readings(self, data, options):
+        """What a stream with these bytes is read as, by an adapter that is past its echo."""
+        twin = AtiTwin(self.cable.ports[1])
+        self.play(twin.run)
+        ati = AtiSerial()
+        self.addCleanup(ati.close)
+        ati.open(self.cable.ports[0], options, True)
+        ati.start()
+        end = time.monotonic() + 30
+        while not ati.poll() and time.monotonic() < end:
+            time.sleep(0.01)
+        ati.line.reset_input_buffer()
+        ati.data[:] = data
+        ati.late_s, ati.last_s = time.monotonic() - ati.count * ati.period_s - 0.02, -1e300  # none of them comes before its time
+        return ati.poll()
+
+    def test_units_and_sign_of_the_sheet_count(self):
+        read = self.readings(record(0, (0, 0, 1000, 0, 0, 0), True), {"counts_per_force": 1000, "units": "lbf", "sign": -1})
+        self.assertAlmostEqual(read[0].force_N, -4.4482216, 6)
+
+    def test_an_error_that_is_no_overload_is_none(self):
+        read = self.readings(record(1, (0,) * 6, True) + record(2, (0,) * 6, True), {"counts_per_force": 1000})
+        self.assertEqual([r.status for r in read[:2]], [SATURATED, FAULT])
+
+    def test_options_that_nobody_reads_are_refused_before_anything_is_opened(self):
+        for adapter, options, words in ((AtiSerial(), {"counts_per_force": 1000, "unit": "lbf"}, "'unit'"), (AtiSerial(), {}, "'counts_per_force' is missing"),
+                                        (AtiSerial(), {"counts_per_force": 1000, "units": "kg"}, "cannot be 'kg'"), (LinkBoard(), {"bauds": 9600}, "'bauds'"),
+                                        (RtuDrive(), {"comm_timout": 0x1100}, "'comm_timout'")):
+            with self.assertRaises(AdapterError) as caught:
+                adapter.open("/dev/none", options, True)
+            self.assertIn(words, str(caught.exception))
+            self.assertTrue(caught.exception.hint)
 
 
 class Drive(Played):

@@ -101,9 +101,9 @@ ExperimentSegment as_planned(const Workspace& w, const Segment& s) {
   ExperimentSegment out;
   out.name = s.name;
   out.stimulus = s.stimulus;
-  out.numbers = s.numbers;
   out.minutes = s.minutes;
   const RecordInput played = simulate(w, s);
+  out.numbers = numbers_of(s, played);
   out.t_s = played.fast_t_s;
   out.force_N = played.fast_F_N;
   out.heats = s.temperature_C != 0.0;

@@ -20,6 +20,9 @@ struct Segment {
   double jump_s = 0.0, jump_log_ratio = 0.0;  ///< where the frequency of its cycles changes, ln(f2/f1); 0: nowhere
 };
 
+/// `numbers` as played: "F_top_N" is the largest force, which goes with the campaign's range.
+std::map<std::string, double> numbers_of(const Segment& segment, const RecordInput& played);
+
 /// Twenty of them; each holds the base law down in its own way.
 const std::vector<Segment>& segments();
 

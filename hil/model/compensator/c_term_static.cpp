@@ -11,6 +11,9 @@
 namespace forcegate::c_terms {
 
 Result<CTerm> thermal(const ModelEffect& e, const CTermContext& x) {
+  if (e.form != "lagged")
+    return refuse("thermal of form " + e.form, "it is a course over the hours of one campaign and follows no thermometer",
+                  "record temp_C, and forcegate add thermal --fit CAMPAIGN takes the form that a firmware can follow");
   if (std::isnan(x.reference_temperature_C))
     return refuse("thermal", "the model file does not say at which temperature the effect is zero",
                   "temperature_C under [law] says it, which forcegate fit writes; or give the campaign with --fit, or --reference-temperature");

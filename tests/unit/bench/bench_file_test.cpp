@@ -38,6 +38,8 @@ TEST(BenchFile, EveryMistakeNamesItsLineAndHelps) {
       {{{"adapter = \"ati_serial\"", "adapter = \"ati_serail\""}}, "ati_serail"},
       {{{"expires = \"2099-12-31\" }\nspring", "expires = \"soon\" }\nspring"}}, "no date"},
       {{{"eccentricity_mm = 10.0", "eccentricity_mm = -1"}}, "out of range"},
+      {{{"eccentricity_mm = 10.0", "eccentricity_mm = 10.0\ntheta_min_rad = -0.5"}}, "'theta_min_rad' in [geometry] = -0.5 is out of range"},
+      {{{"eccentricity_mm = 10.0", "eccentricity_mm = 10.0\ntheta_max_rad = 3.3"}}, "'theta_max_rad' in [geometry] = 3.3 is out of range"},
       {{{"serial = \"BOARD-T-1\"", "serial = \"BOARD-T-1\"\nv_range_V = 500"}}, "'v_range_V' in [board] = 500 is out of range"},
       {{{"limits = [-40.0, 40.0]", "offset = 0"}}, "limits"},
       {{{"scale = 20860.756700940907", "scale = 0"}}, "must not be 0"},
@@ -70,6 +72,13 @@ TEST(BenchFile, EveryMistakeNamesItsLineAndHelps) {
       {{{"mask = 0x80, equals = 0x80", "equals = 0x10080"}}, "outside of 0xffff"},
       {{{"mask = 0x80, equals = 0x80", "mask = 0x800000, equals = 0"}}, "no bit of register 'status'"},
       {{{"form = \"binary\"", "form = \"hex\""}}, "hex"},
+      {{{"form = \"binary\"", "form = \"binary\"\nsign = 0"}}, "neither -1 nor 1"},
+      {{{"comm_timeout = { addr = 0x1000", "comm_timeout = { addr = 0x1000, scale = 0.01"}, {"drive_timeout_ms = 200", "drive_timeout_ms = 40"}},
+       "drive_timeout_ms = 40 becomes 0 ms in register 'comm_timeout', which counts in steps of 100 ms"},
+      {{{"comm_timeout = { addr = 0x1000", "comm_timeout = { addr = 0x1000, scale = 0.01"}, {"drive_timeout_ms = 200", "drive_timeout_ms = 250"}}, "becomes 200 ms"},
+      {{{"comm_timeout = { addr = 0x1000", "comm_timeout = { addr = 0x1000, limits = [0, 100]"}}, "200 for register 'comm_timeout' is outside its limits"},
+      {{{"limits = [-40.0, 40.0]", "limits = [0.0, 40.0]"}}, "must turn either way"},
+      {{{"limits = [-40.0, 40.0]", "limits = [-40.0, 10.0]"}}, "takes no more than 10 rad/s in either direction"},
   };
   for (const Case& c : cases) {
     const Error e = mistake(c.changes);

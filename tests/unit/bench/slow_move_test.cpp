@@ -9,6 +9,7 @@
 namespace forcegate {
 namespace {
 
+using test::Changes;
 using test::TwinBench;
 
 TEST(SlowMove, ThatIsInterruptedSaysThatTheMotorIsStopped) {
@@ -38,6 +39,45 @@ TEST(SlowMove, BeyondTheTravelSaysNothingOfAMotorThatNeverMoved) {
   const auto moved = move_slowly(*b.session, {-1.0, 0.5, 0.01, nullptr});
   ASSERT_FALSE(moved);
   EXPECT_EQ(moved.error().text, "-1.000 rad is outside the travel");
+}
+
+TEST(SlowMove, ToWhereTheWheelStandsTellsWhatTheReferenceReads) {
+  TwinBench b;
+  b.mount();
+  TwinBench::ok(b.session->open());
+  const auto state = b.session->motor().read();
+  ASSERT_TRUE(state) << state.error().to_text();
+  const auto moved = move_slowly(*b.session, {state->theta_rad, 0.5, 0.01, nullptr});
+  ASSERT_TRUE(moved) << moved.error().to_text();
+  EXPECT_NEAR(moved->force_N, 0.5, 0.1);
+}
+
+TEST(SlowMove, ThatMeetsAnOverloadSaysSo) {
+  TwinBench b;
+  b.mount();
+  b.say("fault reference saturation 0 1e9 0 0");
+  const auto moved = move_slowly(*b.session, {1.0, 0.5, 0.01, nullptr});
+  ASSERT_FALSE(moved);
+  EXPECT_EQ(moved.error().code, ErrorCode::safety);
+  EXPECT_EQ(moved.error().text, "the reference is overloaded: the motor is stopped");
+}
+
+// Seconds of the bench from where a record begins to 2 rad, at 5 rad/s if nothing limits it.
+double seconds_to_2_rad(const Changes& changes) {
+  TwinBench b("twin.toml", changes);
+  b.mount();
+  TwinBench::ok(b.session->open());
+  const double begun_s = b.session->world().now_s();
+  const auto moved = move_slowly(*b.session, {2.0, 5.0, 0.01, nullptr});
+  EXPECT_TRUE(moved) << moved.error().to_text();
+  return b.session->world().now_s() - begun_s;
+}
+
+TEST(SlowMove, IsCutToTheLimitsOfTheBench) {
+  const double free_s = seconds_to_2_rad({});
+  EXPECT_LT(free_s, 2.0);
+  EXPECT_GT(seconds_to_2_rad({{"velocity_max_rad_per_s = 40.0", "velocity_max_rad_per_s = 0.2"}}), 5.0) << "more than a radian at 0.2 rad/s";
+  EXPECT_GT(seconds_to_2_rad({{"force_rate_max_N_per_s = 100.0", "force_rate_max_N_per_s = 0.5"}}), 5.0) << "about 3 N at 0.5 N/s";
 }
 
 }  // namespace

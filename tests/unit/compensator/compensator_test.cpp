@@ -149,7 +149,8 @@ TEST(Compensator, EveryFormOfTheLibraryIsUndoneOrRefused) {
       const double sign = form.sign == StrengthSign::negative ? -1.0 : 1.0;
       std::vector<double> shape;
       for (const ParameterSpec& p : form.shape) shape.push_back(p.neutral);
-      const Model model = model_with({effect(kind.name, form.name, std::vector<double>(form.strength.size(), 0.01 * sign), shape)});
+      Model model = model_with({effect(kind.name, form.name, std::vector<double>(form.strength.size(), 0.01 * sign), shape)});
+      model.frame.temperature_C = 23.0;
       if (const auto made = make_compensator(model, {}); !made) {
         EXPECT_FALSE(made.error().hint.empty()) << kind.name << ", " << form.name;
         continue;

@@ -24,6 +24,15 @@ TEST(SafetyGate, clips_a_velocity_to_the_limit_of_the_drive) {
   EXPECT_EQ(gate.report().clipped_commands, 2u);
 }
 
+TEST(SafetyGate, clips_to_the_lower_velocity_of_plan_and_rig) {
+  for (const auto& [of_plan, cut] : {std::pair{200.0, 60.0}, {10.0, 10.0}}) {
+    Bench b;
+    SafetyGate gate(b.rig, {.velocity_max_rad_per_s = of_plan});
+    ASSERT_TRUE(gate.begin({}));
+    EXPECT_EQ(*gate.command(1e6), cut);
+  }
+}
+
 TEST(SafetyGate, stops_for_good_when_the_force_exceeds_the_limit) {
   Bench b;
   SafetyGate gate(b.rig, {.force_max_N = 2.0});
@@ -36,6 +45,19 @@ TEST(SafetyGate, stops_for_good_when_the_force_exceeds_the_limit) {
   EXPECT_GE(b.rig.parked, 1);
   EXPECT_EQ(*gate.run(10, b.block, 0), 0u);
   EXPECT_EQ(*gate.command(1.0), 0.0);
+}
+
+TEST(SafetyGate, goes_on_blind_for_a_quarter_of_a_second_at_any_rate) {
+  Bench b;
+  b.rig.change_info().rate_Hz = 100.0;
+  b.rig.spoil = [](std::size_t row, double t_s, RigBlock& block) {
+    if (t_s > 0.995) block.force_ref_N[row] = std::nanf("");
+  };
+  SafetyGate gate(b.rig, {});
+  ASSERT_TRUE(gate.begin({}));
+  ASSERT_TRUE(gate.run(1000, b.block, 0));
+  EXPECT_EQ(gate.report().reason, StopReason::reference_lost);
+  EXPECT_NEAR(gate.report().t_s, 1.25, 0.02);
 }
 
 TEST(SafetyGate, stops_when_the_sensor_is_pulled_beyond_the_limit) {

@@ -156,6 +156,24 @@ TEST(Stimuli, a_record_that_ends_inside_its_loading_ramp_is_refused) {
   }
 }
 
+TEST(Stimuli, a_profile_that_ends_before_what_it_is_for_is_refused) {
+  StimulusSpec step;
+  step.name = "step";
+  step.numbers = {{"at_s", 7.0}, {"duration_s", 10.0}};
+  EXPECT_TRUE(make_stimulus(step).has_value());
+  step.numbers["ramp_s"] = 3.0;
+  const auto late = make_stimulus(step);
+  ASSERT_FALSE(late.has_value());
+  EXPECT_NE(late.error().text.find("would step at 10 s"), std::string::npos) << late.error().to_text();
+  StimulusSpec sum = sample("multisine", 0);
+  sum.numbers["fade_s"] = 59.0;
+  EXPECT_TRUE(make_stimulus(sum).has_value());
+  sum.numbers["fade_s"] = 60.0;
+  const auto faded = make_stimulus(sum);
+  ASSERT_FALSE(faded.has_value());
+  EXPECT_NE(faded.error().text.find("full size at 60 s"), std::string::npos) << faded.error().to_text();
+}
+
 TEST(Stimuli, sine_begins_at_its_minimum_and_peaks_after_half_a_period) {
   const auto s = make_stimulus(sample("sine", 0));
   EXPECT_NEAR((*s)->force_N(0.5 / 0.7), 4.2, 1e-12);

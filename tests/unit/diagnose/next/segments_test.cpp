@@ -27,5 +27,19 @@ TEST(Segments, AJumpOfTheFrequencyMayBump) {
   EXPECT_GT(most, 0.1);
 }
 
+TEST(Segments, TellTheForceThatTheyTouch) {
+  Workspace w;
+  w.input.range_N = 40.0;
+  w.input.records.emplace_back();
+  for (const Segment& s : segments()) {
+    const RecordInput played = simulate(w, s);
+    const auto numbers = numbers_of(s, played);
+    if (!numbers.contains("F_top_N")) continue;
+    EXPECT_NEAR(numbers.at("F_top_N"), 0.12 * 0.95 * 40.0, 0.01);
+    return;
+  }
+  ADD_FAILURE() << "no segment touches";
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose

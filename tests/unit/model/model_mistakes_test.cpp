@@ -1,0 +1,48 @@
+// What a model file may say that no model can be made of, or asked.
+
+#include <gtest/gtest.h>
+
+#include "hil/model/model.h"
+#include "synthetic.h"
+
+namespace forcegate {
+namespace {
+
+const std::string kLaw = "[law]\nkind = \"static\"\ngain_N_per_V = 0.5\n";
+
+Error mistake(const std::string& text) {
+  const auto model = parse_model(text, "m.toml");
+  EXPECT_FALSE(model) << text;
+  return model ? Error{} : model.error();
+}
+
+TEST(ModelMistakes, WhatIsFoundInTheSamplesIsNoPartOfAModel) {
+  for (const char* name : {"hum", "dropouts", "outliers", "reference_noise"}) {
+    const Error e = mistake(kLaw + "[[effect]]\nname = \"" + name + "\"\n");
+    EXPECT_NE(e.text.find(std::string(name) + " is found in the samples"), std::string::npos) << e.to_text();
+    EXPECT_EQ(e.hint, "take it out");
+  }
+  EXPECT_EQ(mistake(kLaw + "[[effect]]\nname = \"lagg\"\n").hint, "did you mean \"lag\"?");
+}
+
+TEST(ModelMistakes, ABoundThatIsNoNumberHoldsNothing) {
+  for (const char* bound : {"min = nan", "max = nan"}) {
+    const Error e = mistake("[law]\nkind = \"static\"\ngain_N_per_V = { value = 0.5, " + std::string(bound) + " }\n");
+    EXPECT_NE(e.text.find("lies outside"), std::string::npos) << e.to_text();
+  }
+}
+
+TEST(ModelMistakes, AnEffectWithoutAValueIsToldByNameAndTime) {
+  const auto model = parse_model(kLaw + "[[effect]]\nname = \"lag\"\nshape.tau_s = { value = 0.0, min = 0.0 }\nstrength.c = 0.5\n", "m.toml");
+  ASSERT_TRUE(model) << model.error().to_text();
+  auto campaign = make_campaign_input(test::campaign([](double, double F) { return 2.0 * F; }));
+  ASSERT_TRUE(campaign) << campaign.error().to_text();
+  const CampaignInFrame in_frame(model->frame, *campaign);
+  const auto U = model_output_V(*model, in_frame, in_frame.input().records.front());
+  ASSERT_FALSE(U);
+  EXPECT_EQ(U.error().code, ErrorCode::config);
+  EXPECT_NE(U.error().text.find("the effect lag (one_pole) gives a value that is not finite"), std::string::npos) << U.error().to_text();
+}
+
+}  // namespace
+}  // namespace forcegate
