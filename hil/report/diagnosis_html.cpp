@@ -270,17 +270,17 @@ std::string next(const Diagnosis& d) {
       "</p>\n" +
       table_start("Segments for the rig, " + display(d.next_experiment.minutes, 3) +
                       " min in all; a later one starts from what those above it leave",
-                  {"Segment", "Stimulus", "#Minutes", "Separates", "Likeness before \u2192 after",
+                  {"Segment", "Parameters", "#Minutes", "Separates", "Likeness before \u2192 after",
                    "Odds before \u2192 after"});
   for (const ExperimentSegment& s : d.next_experiment.segments) {
-    std::string words = s.stimulus;
-    for (const auto& [name, value] : s.numbers) words += " " + name + "=" + shortest(value);
-    out += "<tr>" + cell(escape(s.name)) + cell("<code>" + escape(words) + "</code>") +
+    std::string numbers;
+    for (const auto& [name, value] : s.numbers) numbers += (numbers.empty() ? "" : ", ") + name + " = " + shortest(value);
+    out += "<tr>" + cell(escape(s.name)) + cell(escape(numbers)) +
            cell(display(s.minutes, 3), true) + cell(escape(s.separates)) +
            cell(fmt::format("{:.2f} \u2192 {:.2f}", s.cosine_before, s.cosine_after)) +
            cell(escape(odds_text(s.odds_before) + " \u2192 " + odds_text(s.odds_after))) + "</tr>\n";
   }
-  return out + std::string(kTableEnd) + "</section>\n";
+  return out + std::string(kTableEnd) + "<p><code>forcegate next</code> with the campaign writes these forces as files (<code>-o FOLDER</code>) or plays them (<code>--run</code>).</p></section>\n";
 }
 
 // A comparison has none; its samples that were set aside count before alone.

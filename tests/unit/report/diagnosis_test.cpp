@@ -48,7 +48,7 @@ TEST(DiagnosisPage, holds_every_picture_of_the_chain) {
         "Held-out error over the model&#39;s versions", "Measured and modelled output, record C07_r00", "Output as recorded, record C07_r05"})
     EXPECT_THAT(page, HasSubstr("<title>" + std::string(title) + "</title>"));
   for (const char* text :
-       {"triangles at three rates", "0.142(6) N", "21.3 mV falls to 6.8 mV", "ramp A_N=1.8 rate_N_per_s=0.05",
+       {"triangles at three rates", "0.142(6) N", "21.3 mV falls to 6.8 mV", "A_N = 1.8, rate_N_per_s = 0.05",
         "forcegate diagnose C07", "not claimed, probability 0.34"})
     EXPECT_THAT(page, HasSubstr(text));
 }
