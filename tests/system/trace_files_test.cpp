@@ -181,6 +181,8 @@ TEST_F(Convert, ATableOfTrialsBecomesOneFileForEach) {
   EXPECT_THAT(read_text(folder / "parts/all-11.csv"), StartsWith("t_s,F_ref_N,U_V\n0,11,1.1\n"));
   EXPECT_EQ(forcegate({"convert", folder / "all.csv", folder / "parts", "--split", "trial"}).exit_code, 2) << "overwrites nothing unasked";
   EXPECT_EQ(forcegate({"convert", folder / "all.csv", folder / "parts", "--split", "trial", "--force"}).exit_code, 0);
+  ASSERT_EQ(forcegate({"convert", folder / "parts/all-1.csv", folder / "one.h5"}).exit_code, 0);
+  EXPECT_THAT(forcegate({"convert", folder / "one.h5", folder / "h5", "--split", "trial"}).err, HasSubstr("--split reads tables of text"));
   EXPECT_THAT(forcegate({"convert", folder / "all.csv", folder / "parts/all-1.csv", "--split", "trial"}).err, HasSubstr("name a folder"));
 }
 

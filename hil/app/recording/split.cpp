@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "hil/base/text.h"
 #include "hil/trace/column_map.h"
 #include "hil/trace/convert.h"
 #include "hil/trace/part_column.h"
@@ -46,6 +47,9 @@ Result<SplitReport> split(const SplitRequest& request) {
   std::error_code failed;
   if (std::filesystem::exists(request.folder, failed) && !std::filesystem::is_directory(request.folder, failed))
     return fail(ErrorCode::usage, "--split writes several files, and this is no folder", request.folder.string(), "name a folder; it is made where there is none");
+  for (const char* ending : {".h5", ".hdf5", ".mat", ".fgj"})
+    if (ascii_lower(request.from.extension().string()) == ending)
+      return fail(ErrorCode::usage, "--split reads tables of text", request.from.string(), "convert it to CSV first: forcegate convert " + shell_quoted(request.from.string()) + " table.csv");
   FORCEGATE_TRY(const CsvTable table, read_csv_table(request.from));
   FORCEGATE_TRY(const PartColumn column, part_column(table, request.column, request.from.string()));
   FORCEGATE_TRY(const std::vector<Written> parts, parts_of(request, table, column));
