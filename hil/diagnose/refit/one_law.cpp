@@ -351,7 +351,11 @@ Result<OneLawFit> fit_one_law(Campaign campaign, const Model& start, const IsUsa
                            std::sqrt(Fitter::square_error(bare[k], bare_beta)),
                            std::sqrt(Fitter::square_error(grams[k], all))});
   out.model.output_unit = rows.unit;
-  for (const std::string& note : replaced_forms(start, out.model)) out.notes.push_back(note + "; without --fit the model is exported as it stands");
+  for (const std::string& note : replaced_forms(start, out.model)) {
+    const std::string of_effect = note.substr(0, note.find(": ") + 2);
+    const auto says_why = [&](const std::string& told) { return told.starts_with(of_effect); };  // a form that cannot be undone has its cost told
+    if (std::ranges::none_of(out.notes, says_why)) out.notes.push_back(note + "; without --fit the model is exported as it stands");
+  }
   HistoryStep step;
   step.unit = rows.unit;
   step.campaign = name;
