@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/base/quantile.h"
 #include "hil/diagnose/base/judge.h"
 #include "hil/diagnose/base/mixed_model.h"
 
@@ -49,6 +50,44 @@ bool leaves_most_of(const LeftOver& before, const LeftOver& after) {
   return !(log_ratio < n * std::log(kMost));
 }
 
+double allowed_square(const LeftOver& left) {
+  double sum = 0.0;
+  for (const double noise : left.noise) sum += noise;
+  return sum / std::max(1.0, static_cast<double>(left.noise.size()));
+}
+
+// Median over the records that stood visibly above the noise of the share of their mean square beyond it that is left: one record may have a fault of its own.
+double typical_share_left(const LeftOver& before, const LeftOver& after, double visible) {
+  std::vector<double> share;
+  for (std::size_t k = 0; k < before.square.size(); ++k)
+    if (before.square[k] > visible * visible * before.noise[k]) share.push_back((after.square[k] - after.noise[k]) / (before.square[k] - before.noise[k]));
+  return share.empty() ? 0.0 : quantile(std::move(share), 0.5);
+}
+
+// Near the noise all forms of a family take up whatever is left, and say nothing of it: the claim itself has to explain it. Far above it a form that
+// is a little wrong leaves as much.
+bool leaves_much_of(const LeftOver& before, const LeftOver& after) {
+  constexpr double kVisible = 1.3, kMuch = 0.3, kOfTypical = 0.2;  // of the noise; of the mean square beyond it
+  const double allowed = allowed_square(after), left = after.rms * after.rms;
+  const bool is_near = left > kVisible * kVisible * allowed && left < kFarAboveNoise * kFarAboveNoise * allowed;
+  return is_near && left - allowed > kMuch * (before.rms * before.rms - allowed) && typical_share_left(before, after, kVisible) > kOfTypical;
+}
+
+// Nothing else is claimed that may leave it: bad samples, what acts between records.
+bool is_all_that_is_claimed(const Selection& selection, const std::vector<Finding>& findings) {
+  return std::ranges::none_of(findings, [](const Finding& f) { return f.claimed() && (f.of_samples() || f.of_reference()); }) &&
+         std::ranges::none_of(selection.chosen, [](const ChosenEffect& c) { return c.between; });
+}
+
+// True when there is one.
+bool withdraw_all(const Selection& selection, std::vector<Finding>& findings) {
+  bool out = false;
+  for (const ChosenEffect& c : selection.chosen)
+    for (Finding& f : findings)
+      if (f.effect == c.kind->name && !f.of_samples() && f.claimed()) out |= f.limit(kWithdrawn, "it leaves much of the error, well above the noise");
+  return out;
+}
+
 }  // namespace
 
 bool withdraw_what_explains_little(const ResidualChannel& channel, const Selection& selection, const Remainder& rest, JudgedBy by,
@@ -61,7 +100,8 @@ bool withdraw_what_explains_little(const ResidualChannel& channel, const Selecti
   const double above = remains ? kFarAboveNoise : kInAnyCase;
   // what the samples themselves have named, such as spikes, is left here too
   const bool named = std::ranges::any_of(findings, [](const Finding& f) { return f.of_samples() && f.claimed(); });
-  if (!(after.rms > above * allowed_rms(channel)) && (named || !(after.log_factor > std::log(above)))) return false;
+  const bool far_above = after.rms > above * allowed_rms(channel) || (!named && after.log_factor > std::log(above));
+  if (!far_above) return leaves_much_of(before, after) && channel.signs_known && is_all_that_is_claimed(selection, findings) && withdraw_all(selection, findings);
   const bool leaves_most = leaves_most_of(before, after);
   // of another machine the forms of the library are rough, and the right one leaves much as well
   const bool rough = !channel.signs_known;

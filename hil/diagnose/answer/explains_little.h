@@ -14,7 +14,9 @@ namespace forcegate::diagnose {
 /// explain (a fifth beside claims about raw samples, whose remains count here too), far above it (all records, or the typical one) or with
 /// structure that `remains`, and they themselves leave more than half of the mean square, of all records and of the typical one that stood far
 /// above the noise, or could take any course of their kind (a curve, a loop, a lag; not of another machine, of which the forms of the library
-/// are rough): something else is at work. With one of them all others within records go. True when one was withdrawn.
+/// are rough): something else is at work. With one of them all others within records go. Nearer to the noise, where any form takes up what is left,
+/// the claims themselves count: they go where they leave 1.3 to 2.5 times the noise and three tenths of the mean square beyond it (the typical record a fifth), unless bad samples, the
+/// reference or an effect between records may leave it, or the machine is another one. True when one was withdrawn.
 bool withdraw_what_explains_little(const ResidualChannel& channel, const Selection& selection, const Remainder& rest, JudgedBy by,
                                    std::vector<Finding>& findings);
 
