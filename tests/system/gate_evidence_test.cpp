@@ -118,6 +118,36 @@ TEST_F(GateEvidence, APartOfAPlanIsToldAsOneAndNoSpecimenCountsTwice) {
   EXPECT_THAT(twice.err, HasSubstr("specimen 'q50' is named twice"));
 }
 
+TEST_F(GateEvidence, ARecordIsTheSameWhicheverOthersArePlayed) {
+  ASSERT_EQ(gate(kGood, "whole").exit_code, 0);
+  ASSERT_EQ(gate(kGood, "part", {"--case", "fast", "--accepted", folder / "whole"}).exit_code, 0);
+  const auto digest = [&](const std::string& run, const std::string& id) {
+    const Json stored = result(run);
+    for (const Json& c : stored["cases"])
+      if (c["id"] == id) return c["digest"].get<std::string>();
+    return std::string();
+  };
+  EXPECT_FALSE(digest("part", "fast/q50").empty());
+  EXPECT_EQ(digest("part", "fast/q50"), digest("whole", "fast/q50"));
+}
+
+TEST_F(GateEvidence, ABuildIsNotWorseThanItselfUnderOtherConditions) {
+  ASSERT_EQ(gate(kGood, "accepted").exit_code, 0);
+  write_text(folder / "cal.toml", "gain_N_per_V = 0.62\noffset_N = 0.1\nid = \"mine\"\n");
+  const std::vector<std::pair<std::vector<std::string>, const char*>> others = {
+      {{"--fault", "reference_gain=1.01"}, "other faults: none (here reference_gain=1.01)"},
+      {{"--rig-option", "hidden=creep:strong"}, "other options of the rig: none (here hidden=creep:strong)"},
+      {{"--calibration", "nominal"}, "another calibration in slow/q25: level static and nominal"},
+      {{"--cal", folder / "cal.toml"}, "another calibration in slow/q25"}};
+  for (const auto& [more, what] : others) {
+    std::vector<std::string> line = more;
+    line.insert(line.end(), {"--accepted", folder / "accepted"});
+    const ProcessResult r = gate(kGood, "new", line);
+    EXPECT_EQ(r.exit_code, 2) << r.out << r.err;
+    EXPECT_THAT(r.err, HasSubstr(what));
+  }
+}
+
 TEST_F(GateEvidence, UnderAnotherPlanWhatWasNotPlayedIsMissingAndOldLimitsAreGone) {
   ASSERT_EQ(gate(kGood, "part", {"--case", "slow"}).exit_code, 0);
   const ProcessResult part = run({"check", folder / "part", "--plan", plan, "-o", folder / "judged.json"});

@@ -76,7 +76,9 @@ TEST_F(Trust, an_accepted_run_that_is_none_is_told) {
 
 TEST_F(Trust, a_rig_fault_on_either_side_of_a_comparison_rejects_nobody) {
   const std::string sound = gated(kGood, "sound"), spoiled = gated(kGood, "spoiled", {"--fault", "reference_gain=0.95"});
-  write_text(folder / "alone.json", read_text(spoiled + "/result.json"));
+  Json unstated = Json::parse(read_text(spoiled + "/result.json"));  // a rig tells nobody of its fault
+  unstated["environment"].erase("faults");
+  write_text(folder / "alone.json", unstated.dump());
   const auto exit_of = [&](const char* image, std::vector<std::string> more) {
     std::vector<std::string> line{"gate", image, "--plan", "faults", "-o", folder / "new"};
     line.insert(line.end(), more.begin(), more.end());
@@ -84,14 +86,14 @@ TEST_F(Trust, a_rig_fault_on_either_side_of_a_comparison_rejects_nobody) {
     EXPECT_THAT(r.out, testing::Not(HasSubstr("to act: the firmware"))) << r.out;
     return r.exit_code;
   };
-  for (const std::string& accepted : {sound, std::string(kGain)})
+  EXPECT_EQ(exit_of(kGood, {"--fault", "reference_gain=0.95", "--accepted", sound}), 2) << "a fault on one side only";
+  EXPECT_EQ(exit_of(kGood, {"--accepted", spoiled}), 2) << "a fault on the other";
+  for (const std::string& accepted : {spoiled, std::string(kGain)})
     EXPECT_EQ(exit_of(kGood, {"--fault", "reference_gain=0.95", "--accepted", accepted}), 4) << accepted;
   EXPECT_EQ(run({"check", folder / "new"}).exit_code, 4) << "judged again it is the same";
-  for (const std::string& accepted : {spoiled, std::string(folder / "alone.json")}) {
-    EXPECT_EQ(exit_of(kGood, {"--accepted", accepted}), 3) << accepted;
-    EXPECT_THAT(read_text(folder / "new/result.json"), HasSubstr("give a run on a sound rig"));
-    EXPECT_EQ(run({"check", folder / "new"}).exit_code, 3) << "judged again it is the same";
-  }
+  EXPECT_EQ(exit_of(kGood, {"--accepted", folder / "alone.json"}), 3);
+  EXPECT_THAT(read_text(folder / "new/result.json"), HasSubstr("give a run on a sound rig"));
+  EXPECT_EQ(run({"check", folder / "new"}).exit_code, 3) << "judged again it is the same";
 }
 
 TEST_F(Trust, a_rejected_run_is_measured_again_from_the_samples_it_kept) {

@@ -1,9 +1,12 @@
 #include "hil/app/gate/accepted_build.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <variant>
 
 #include "hil/app/gate/bundle.h"
+#include "hil/app/gate/same_conditions.h"
 #include "hil/base/digest.h"
 #include "hil/base/rng.h"
 #include "hil/base/text.h"
@@ -20,7 +23,7 @@ bool some_lane_runs(const std::filesystem::path& image) {
   return false;
 }
 
-Result<AcceptedBuild> open_stored(const std::filesystem::path& path, const RunResult& head) {
+Result<AcceptedBuild> open_stored(const std::filesystem::path& path, const GateRequest& request, const GateSetup* setup, const RunResult& head) {
   AcceptedBuild build;
   build.path = path.string();
   build.stored = true;
@@ -32,35 +35,38 @@ Result<AcceptedBuild> open_stored(const std::filesystem::path& path, const RunRe
         path.string(), "give an ELF image, or the result.json of its run");
   build.run = std::move(*run);
   build.sha256 = build.run.firmware_sha256;
-  const auto differs = [&](const char* what, const std::string& theirs,
-                           const std::string& ours) -> Result<void> {
-    if (theirs == ours) return {};
-    return fail(ErrorCode::usage,
-                std::string("the stored run has another ") + what + ": " + printable_utf8(theirs),
-                path.string(), "compare runs of one plan, seed and rig, or give the image itself");
-  };
-  FORCEGATE_CHECK_OK(differs("plan", build.run.plan_sha256, head.plan_sha256));
-  FORCEGATE_CHECK_OK(differs("seed", std::to_string(build.run.seed), std::to_string(head.seed)));
-  FORCEGATE_CHECK_OK(differs("rig", build.run.rig.name + "/" + build.run.rig.version,
-                             head.rig.name + "/" + head.rig.version));
+  FORCEGATE_CHECK_OK(check_same_conditions(build.run, head, request, setup, path));
   // A bundle that this version does not read leaves the values.
-  if (auto bundle = read_bundle(path.parent_path()))
-    if (auto* const material = std::get_if<RunMaterial>(&bundle->material))
-      for (PlayedRecord& one : material->records)
-        if (!one.superseded) build.records[one.record.id] = std::move(one.record);
+  auto bundle = read_bundle(path.parent_path());
+  auto* const material = bundle ? std::get_if<RunMaterial>(&bundle->material) : nullptr;
+  if (material == nullptr || setup == nullptr) return build;
+  for (PlayedRecord& one : material->records) {
+    const auto number = setup->number_of_case.find(one.job.planned.name);
+    if (setup->rig.name == "emulated" && number != setup->number_of_case.end() && number->second != one.job.record)
+      return fail(ErrorCode::usage, "the stored run drew the noise of " + one.job.id + " by another number, as a version did that counted the cases of --case alone",
+                  path.string(), "play it again, or give the image itself");
+    if (!one.superseded) build.records[one.record.id] = std::move(one.record);
+  }
   return build;
+}
+
+// The emulated rig measures the same calibration again: another one, of a file, makes other records of the same build.
+NoPartner other_calibration(const std::string& record, const Calibration& ours, const Calibration& theirs) {
+  const std::string what = calibration_difference(theirs, ours);
+  if (what.empty()) return {};
+  return {Verdict::not_run, Blame::user, fmt::format("the accepted build's record of {} has another calibration: {}", record, what)};
 }
 
 }  // namespace
 
-Result<AcceptedBuild> open_accepted(const GateRequest& request, const RunResult& head) {
+Result<AcceptedBuild> open_accepted(const GateRequest& request, const GateSetup* setup, const RunResult& head) {
   std::filesystem::path path = request.accepted;
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) path /= "result.json";
   if (!std::filesystem::is_regular_file(path, ignored))
     return fail(ErrorCode::usage, "there is no accepted build", path.string(),
                 "--accepted takes an image, a run's folder or its result.json");
-  if (!some_lane_runs(path)) return open_stored(path, head);
+  if (!some_lane_runs(path)) return open_stored(path, request, setup, head);
   AcceptedBuild build;
   build.path = std::filesystem::absolute(path).string();
   FORCEGATE_TRY(build.sha256, sha256_file(path));
@@ -101,20 +107,27 @@ std::vector<JudgedCheck> compare_with_accepted(const Plan& plan, const DerivedLi
   for (const ComparedRecord& pair : pairs) {
     std::vector<ErrorIncrease> some;
     const std::string& id = pair.candidate->id;
+    const auto calibration_of = [&](const Calibration& theirs) {
+      return build.stored && build.run.rig.name == "emulated" ? other_calibration(id, pair.candidate->calibration, theirs) : NoPartner{};
+    };
     const auto at = build.records.find(id);
     const CaseRecord* const accepted = build.stored ? at != build.records.end() ? &at->second : nullptr : pair.accepted;
     if (accepted != nullptr) {
       const JudgedCase judged = judge_case(plan, *pair.planned, *accepted, limits);  // its rig is asked as the candidate's is
       std::vector<Check> checks;
       for (const JudgedCheck& j : judged.checks) checks.push_back(j.check);
-      some = error_increases(plan, *pair.planned, *pair.candidate, *accepted, no_partner(id, checks, build.stored));
+      NoPartner partner = no_partner(id, checks, build.stored);
+      if (partner.verdict == Verdict::pass) partner = calibration_of(accepted->calibration);
+      some = error_increases(plan, *pair.planned, *pair.candidate, *accepted, partner);
     } else if (!build.stored) {
       some = error_increases(plan, *pair.planned, *pair.candidate, CaseRecord{});
     } else {
       const auto theirs = std::find_if(build.run.cases.begin(), build.run.cases.end(), [&](const CaseResult& c) { return c.id == id; });
       const bool there = theirs != build.run.cases.end();
       if (!there && id.find("/session") != std::string::npos) continue;
-      some = error_increases(*pair.planned, id, *pair.judged, there ? *theirs : CaseResult{}, rig_repeats);
+      const NoPartner partner = there && theirs->samples > 0 ? calibration_of(theirs->calibration) : NoPartner{};
+      some = partner.verdict == Verdict::pass ? error_increases(*pair.planned, id, *pair.judged, there ? *theirs : CaseResult{}, rig_repeats)
+                                              : error_increases(plan, *pair.planned, *pair.candidate, CaseRecord{}, partner);
     }
     for (ErrorIncrease& e : some) all.push_back(std::move(e));
   }

@@ -21,9 +21,9 @@ struct AcceptedBuild {
   std::map<std::string, CaseRecord> records;  ///< of its bundle by their id, without any it is compared by its values
 };
 
-/// Opens GateRequest::accepted. `head` names plan, seed and rig of the run. Errors (usage): no such file, neither an image
-/// that a lane can run nor a result.json, a stored run of another plan, seed or rig.
-Result<AcceptedBuild> open_accepted(const GateRequest& request, const RunResult& head);
+/// Opens GateRequest::accepted. `head` names plan, seed, rig and conditions of the run; `setup` is null under weights. Errors (usage): no such file, neither an image
+/// that a lane can run nor a result.json, a stored run under other conditions (same_conditions.h).
+Result<AcceptedBuild> open_accepted(const GateRequest& request, const GateSetup* setup, const RunResult& head);
 
 /// Lane for the accepted image: that of the candidate where it accepts it, else the first that does.
 std::string accepted_lane(const std::string& own, const AcceptedBuild& build);

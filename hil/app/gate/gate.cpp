@@ -9,6 +9,7 @@
 #include "hil/app/gate/gate_player.h"
 #include "hil/app/gate/repeats.h"
 #include "hil/app/gate/run_folder.h"
+#include "hil/app/gate/same_conditions.h"
 #include "hil/base/text.h"
 #include "hil/gate/run_judge.h"
 
@@ -24,7 +25,7 @@ class GateRun {
     head();
     FORCEGATE_CHECK_OK(read_derived_limits());
     if (!request_.accepted.empty()) {
-      FORCEGATE_TRY(accepted_, open_accepted(request_, result_));
+      FORCEGATE_TRY(accepted_, open_accepted(request_, &setup_, result_));
     }
     FORCEGATE_TRY(evidence_, read_evidence(request_, setup_.plan.path, setup_.plan.limits.goldens));
     std::optional<RunFolder> folder;
@@ -91,6 +92,7 @@ class GateRun {
     result_.seed = plan.seed;
     result_.rig = setup_.rig;
     result_.decision_rule = plan.rule.to_text();
+    state_conditions(request_, result_);
     for (const std::string& note : setup_.notes) result_.notes.push_back(note);
   }
 

@@ -254,6 +254,7 @@ Result<GateSetup> prepare_gate(GateRequest& request) {
                   "it has no [calibration.identification]");
   }
   const Plan whole = plan;
+  for (const PlanCase& c : plan.cases) setup.number_of_case.emplace(c.name, setup.number_of_case.size() + 1);
   FORCEGATE_CHECK_OK(select_panel(request, plan));
   if (!request.goldens.empty()) {
     plan.limits.goldens = std::filesystem::absolute(request.goldens).lexically_normal().string();
@@ -335,7 +336,7 @@ CaseJob record_job(const GateRequest& request, const GateSetup& setup, std::size
   job.curves = (stands && !request.output.empty()) || !setup.rig.emulated;
   job.session = session;
   job.attempt = attempt;
-  job.record = static_cast<std::uint64_t>(case_index) + 1;
+  job.record = setup.number_of_case.at(planned.name);
   job.nonce = static_cast<std::uint32_t>(
       mix_seed(job.seed, fmt::format("{}/{}/{}", setup.firmware_sha256, job.id, attempt)) & 0xFFFFFFFFu);
   job.faults = faults_of_attempt(request.faults, attempt);

@@ -1,6 +1,8 @@
 #pragma once
 // From a plan and a request to the jobs of a run.
 
+#include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,6 +20,8 @@ struct GateSetup {
   RigInfo rig;
   std::optional<Calibration> calibration;  ///< that of the request's file, with the converter of the rig
   std::vector<std::string> specimens;  ///< all that are needed, in order of first use
+  /// Place of a case in the whole plan, from 1. It draws the noise of its records: what --case leaves out changes none of the others.
+  std::map<std::string, std::uint64_t> number_of_case;
 };
 
 /// Name of the lane that runs the request's image: the one asked for, else that of the rig's own board, else the first

@@ -164,7 +164,7 @@ class WeightGateRun {
   }
 
   Result<void> open_the_accepted() {
-    FORCEGATE_TRY(accepted_, open_accepted(request_, m_.head));
+    FORCEGATE_TRY(accepted_, open_accepted(request_, nullptr, m_.head));
     m_.head.notes.push_back(accepted_note(*accepted_));
     m_.with_accepted = true;
     if (!accepted_->stored) return {};
