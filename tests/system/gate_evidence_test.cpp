@@ -146,6 +146,10 @@ TEST_F(GateEvidence, ABuildIsNotWorseThanItselfUnderOtherConditions) {
     EXPECT_EQ(r.exit_code, 2) << r.out << r.err;
     EXPECT_THAT(r.err, HasSubstr(what));
   }
+  ASSERT_NE(gate(kGood, "nominal", {"--calibration", "nominal"}).exit_code, 2);
+  const ProcessResult diff = run({"diff", folder / "accepted", folder / "nominal"});
+  EXPECT_THAT(diff.out, HasSubstr("NOT the same conditions"));
+  EXPECT_THAT(diff.out, HasSubstr("calibration of 4 records: slow/q25 level static and nominal"));
 }
 
 TEST_F(GateEvidence, UnderAnotherPlanWhatWasNotPlayedIsMissingAndOldLimitsAreGone) {

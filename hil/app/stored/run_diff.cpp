@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hil/app/gate/bundle.h"
+#include "hil/app/gate/same_conditions.h"
 #include "hil/base/json_number.h"
 #include "hil/base/text.h"
 #include "hil/gate/statistics.h"
@@ -39,6 +40,19 @@ std::map<std::string, Checks> by_case(const RunResult& r) {
   return out;
 }
 
+// The first one stands for all: the emulated rig measures the same calibration again, a bench another one in every session.
+void note_calibrations(RunDiff& d) {
+  std::size_t other = 0;
+  std::string first;
+  for (const CaseResult& a : d.a.cases) {
+    const auto b = std::find_if(d.b.cases.begin(), d.b.cases.end(), [&](const CaseResult& c) { return c.id == a.id; });
+    if (b == d.b.cases.end() || a.samples == 0 || b->samples == 0) continue;
+    const std::string what = calibration_difference(a.calibration, b->calibration);
+    if (!what.empty() && other++ == 0) first = a.id + " " + what;
+  }
+  if (other > 0) d.differences.push_back(fmt::format("calibration of {} records: {}", other, first));
+}
+
 void compare_conditions(RunDiff& d) {
   const auto note = [&](const char* what, const std::string& a, const std::string& b) {
     if (a != b) d.differences.push_back(fmt::format("{}: {} and {}", what, a, b));
@@ -49,6 +63,8 @@ void compare_conditions(RunDiff& d) {
   note("rig", d.a.rig.name + "/" + d.a.rig.version + " " + d.a.rig.id,
        d.b.rig.name + "/" + d.b.rig.version + " " + d.b.rig.id);
   note("version", d.a.tool_version, d.b.tool_version);
+  for (const char* what : {"faults", "rig options"}) note(what, stated_condition(d.a, what), stated_condition(d.b, what));
+  note_calibrations(d);
   d.same_conditions = d.differences.empty();
 }
 

@@ -39,7 +39,7 @@ struct OneSided {
 
 struct RunDiff {
   RunResult a, b;
-  bool same_conditions = false;          ///< plan, seed and rig agree
+  bool same_conditions = false;          ///< plan, seed, rig, its faults and options, version and calibrations agree
   std::vector<std::string> differences;  ///< of the conditions
   std::vector<CheckDelta>
       checks;  ///< pairs whose values or verdicts differ, largest share of their limit first

@@ -21,7 +21,7 @@ const Registration<Command> kRow{Command{
     .description =
         "Pairs the records of two runs by case and specimen and shows how each error changed. Records of one plan and seed "
         "share profile, specimen and noise, so what is common drops out: the interval of a mean difference comes from the "
-        "spread of the single ones. When plan, seed or rig differ, that is said first.\n\nRuns are compared, not judged: to "
+        "spread of the single ones. When plan, seed, rig, its faults and options or the calibrations differ, that is said first.\n\nRuns are compared, not judged: to "
         "judge a build against limits use gate, to judge a stored run again use check.",
     .positionals = {{.name = "RUN_A", .doc = "Folder of a run, or its result.json: the accepted build.", .names = Names::input},
                     {.name = "RUN_B", .doc = "The same of the candidate.", .names = Names::input}},
