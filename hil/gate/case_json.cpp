@@ -194,6 +194,7 @@ void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, PlanLimit
   f("derived", v.derived), f("goldens", v.goldens), f("learning_s", v.learning_s), f("lag_s", v.lag_s),
       f("output_max_N", v.output_max_N);
   f("hold_pct", v.hold_pct), f("minima_floor_N", v.minima_floor_N), f("increase_pct", v.increase_pct), f("spike_max_N", v.spike_max_N);
+  f("excursion_max_N", v.excursion_max_N);
   f("instructions", v.instructions), f("stack", v.stack_bytes), f("ram", v.ram_bytes),
       f("flash", v.flash_bytes);
 }

@@ -8,6 +8,7 @@
 #include "hil/gate/case_checks.h"
 #include "hil/gate/judge_accuracy.h"
 #include "hil/gate/judge_conformance.h"
+#include "hil/gate/judge_excursion.h"
 #include "hil/gate/judge_hold.h"
 #include "hil/gate/judge_inputs.h"
 #include "hil/gate/judge_output.h"
@@ -47,6 +48,7 @@ void judge_record(const Plan& plan, const PlanCase& planned, const CaseRecord& r
                   CaseChecks& checks, JudgedCase& out) {
   const InputsFound inputs = judge_inputs(plan, planned, record, checks, out);
   judge_output(plan, record, inputs.calibration_fits, checks);
+  judge_excursion(plan, planned, record, checks);
   judge_conformance(plan, planned, record, inputs.link_sound, checks);
   const Blame spoiled = !inputs.link_sound ? Blame::link : checks.rig_sound ? Blame::none
                                                                             : checks.rig_blame;

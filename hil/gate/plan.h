@@ -74,6 +74,7 @@ struct PlanLimits {
   double lag_s = 0.05;          ///< |lag| of the firmware behind the ATI
   double output_max_N = 10.0;   ///< |F_dut|
   double spike_max_N = 0.5;     ///< one sample beside its neighbours where the code has no spike
+  double excursion_max_N = 1.5;  ///< error of one extremum beyond the median of those around it
   double hold_pct = 5.0;        ///< |F_dut| over the static value during a hold, in excess
   double minima_floor_N = 0.5;  ///< below: mean absolute error instead of relative
   double increase_pct = 0.5;    ///< of a mean relative error against the accepted build, percentage points

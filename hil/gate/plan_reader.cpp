@@ -270,6 +270,7 @@ Result<void> read_limits(const ConfigNode& node, PlanLimits& l) {
   r.number("minima_floor_N", l.minima_floor_N, 0.0, 5.0);
   r.number("increase_pct", l.increase_pct, 0.0, 100.0);
   r.number("instructions", l.instructions, 0.0, 1e9);
+  r.number("excursion_max_N", l.excursion_max_N, 0.0, 1e6);
   r.number("stack_bytes", l.stack_bytes, 0.0, 1e9);
   r.number("ram_bytes", l.ram_bytes, 0.0, 1e9);
   r.number("flash_bytes", l.flash_bytes, 0.0, 1e9);

@@ -46,6 +46,8 @@ const std::vector<Explanation>& check_explanations() {
       {"lag", "check", "Distance in time between firmware and ATI.", "Look for filters, buffers and a late link (rig_sensor_sync tells what the codes bring along)."},
       {"output_finite", "check", "Samples of the output that are NaN or infinite.", kOwn},
       {"output_spike", "check", "Largest excursion of one sample beyond those 10 ms before and after it, where the sensor's code has none.", kOwn},
+      {"output_excursion", "check", "Largest error of firmware against ATI at one extremum beyond the median error of those around it; of an algorithm that only the image knows.",
+       "Look at the instant that the evidence names: a correction that fell out for a few swings hardly moves a mean."},
       {"output_bounded", "check", "Largest force that the firmware reported, against the plan's bound.", kOwn},
       {"hold_amplification", "check", "Output over the static law in a hold after cycling: the correction must not go on growing there.", kOwn},
       {"link_intact", "check", "Frames and samples that were lost, damaged or refused between board and harness.", "Check cable, baud rate and load of the line."},

@@ -1,0 +1,77 @@
+// What a firmware does for a few swings out of hundreds: a mean hardly moves, and in a closed loop the wheel does what it asked for.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/unit/gate/runner_bench.h"
+
+namespace forcegate {
+namespace {
+
+using testing::Bench;
+using testing::find;
+
+// A record on a bench with a wheel, whose spring is a witness of the ATI.
+CaseRecord sound(Bench& bench) {
+  CaseRecord record = bench.run();
+  record.observed.spring_samples = 1000;
+  record.observed.spring_slope = 1.0;
+  record.conformance_known = false;
+  return record;
+}
+
+void falls_out(CaseRecord& record, double by_N, std::size_t extrema, bool codes_too = false) {
+  const std::size_t from = record.pairs.size() / 2;
+  for (std::size_t i = from; i < from + extrema; ++i) {
+    record.pairs[i].dut_N -= by_N;
+    if (codes_too) record.pairs[i].raw_N -= by_N;
+  }
+}
+
+TEST(OutputExcursion, a_correction_that_falls_out_for_a_few_swings_fails) {
+  Bench bench;
+  CaseRecord record = sound(bench);
+  EXPECT_EQ(find(bench.judge(record), "output_excursion")->verdict, Verdict::pass);
+  EXPECT_LT(find(bench.judge(record), "output_excursion")->value, 0.1);
+  falls_out(record, 3.0, 4);
+  const JudgedCase judged = bench.judge(record);
+  const Check& c = *find(judged, "output_excursion");
+  EXPECT_EQ(c.verdict, Verdict::fail) << c.evidence;
+  EXPECT_EQ(c.blame, Blame::firmware);
+  EXPECT_NEAR(c.value, 3.0, 0.1);
+  EXPECT_GT(c.u, 0.0);
+  EXPECT_TRUE(c.required);
+  bench.plan.limits.excursion_max_N = 4.0;
+  EXPECT_EQ(find(bench.judge(record), "output_excursion")->verdict, Verdict::pass);
+}
+
+TEST(OutputExcursion, an_error_that_grows_is_none) {
+  Bench bench;
+  CaseRecord record = sound(bench);
+  for (CasePair& p : record.pairs) p.dut_N += 0.05 * p.t_s;
+  EXPECT_EQ(find(bench.judge(record), "output_excursion")->verdict, Verdict::pass) << find(bench.judge(record), "output_excursion")->value;
+}
+
+TEST(OutputExcursion, what_the_codes_have_too_or_nothing_witnesses_is_not_decided) {
+  Bench bench;
+  CaseRecord record = sound(bench);
+  falls_out(record, 3.0, 4, true);
+  EXPECT_EQ(find(bench.judge(record), "output_excursion")->verdict, Verdict::inconclusive);
+  EXPECT_EQ(find(bench.judge(record), "output_excursion")->blame, Blame::sensor);
+  record = sound(bench);
+  falls_out(record, 3.0, 4);
+  record.observed.spring_samples = 0;
+  EXPECT_EQ(find(bench.judge(record), "output_excursion")->verdict, Verdict::inconclusive);
+}
+
+TEST(OutputExcursion, an_algorithm_that_is_implemented_twice_is_judged_by_conformance) {
+  Bench bench;
+  CaseRecord record = sound(bench);
+  falls_out(record, 3.0, 4);
+  record.conformance_known = true;
+  EXPECT_EQ(find(bench.judge(record), "output_excursion"), nullptr);
+}
+
+}  // namespace
+}  // namespace forcegate
