@@ -6,7 +6,6 @@
 namespace forcegate {
 
 bool firmware_left_the_reference(const CaseRecord& record) {
-  constexpr double kDeparture_N = 0.4;
   constexpr int kLastExtrema = 6;
   if (record.output.not_finite > 0) return true;
   double worst_N = record.output.departure_N;

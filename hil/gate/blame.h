@@ -4,6 +4,9 @@
 
 namespace forcegate {
 
+/// Distance from the ATI beyond which the output has left it, N.
+inline constexpr double kDeparture_N = 0.4;
+
 /// In a closed loop a bad build drives the force where the reference cannot follow. It is charged with that when
 /// everything that does not depend on it is sound and its output had left the ATI: not a number at any time, or
 /// more than 0.4 N away over the last 0.2 s or at one of the last six extrema.

@@ -17,14 +17,20 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kExtremaMissing = 0.02;
 
+struct ReferenceExtrema {
+  std::size_t followed = 0;
+  std::size_t led_astray = 0;  ///< not followed, while the firmware reported another force than the reference
+};
+
 // The extrema are those of the set-point: the reference has one where its force went there from the one before, if by less.
-std::size_t extrema_of_reference(const CaseRecord& record) {
+ReferenceExtrema extrema_of_reference(const CaseRecord& record) {
   constexpr double kOfSwing = 0.3;
-  std::size_t out = 0;
+  ReferenceExtrema out;
   double setpoint_N = 0.0, ati_N = 0.0;  // unloaded, before the first
   for (const CasePair& p : record.pairs) {
     const double swing_N = p.setpoint_N - setpoint_N, followed_N = p.ati_N - ati_N;
-    if (p.t_s >= record.facts.excitation_start_s && followed_N / swing_N >= kOfSwing) ++out;
+    if (p.t_s >= record.facts.excitation_start_s && followed_N / swing_N >= kOfSwing) ++out.followed;
+    else if (!(std::fabs(p.dut_N - p.ati_N) <= kDeparture_N)) ++out.led_astray;
     setpoint_N = p.setpoint_N, ati_N = p.ati_N;
   }
   return out;
@@ -149,18 +155,36 @@ class InputJudge {
   void extrema_count() {
     const auto expected = static_cast<double>(record_.expected_extrema);
     if (expected < 4.0 || !checks_.complete) return;
-    const auto found = static_cast<double>(extrema_of_reference(record_));
-    const double missing = std::max(0.0, (expected - found - 2.0) / expected);
-    if (missing > kExtremaMissing) checks_.complete = false, checks_.incomplete_blame = Blame::rig;
-    checks_.value_check("extrema_count", "Share of the profile's extrema that are missing", missing, "1", 0.0,
-                        record_.expected_extrema,
+    const ReferenceExtrema extrema = extrema_of_reference(record_);
+    const auto missing_of = [&](std::size_t found) { return std::max(0.0, (expected - static_cast<double>(found) - 2.0) / expected); };
+    const double missing = missing_of(extrema.followed);
+    const bool astray = missing > kExtremaMissing && missing_of(extrema.followed + extrema.led_astray) <= kExtremaMissing && answers_for_the_force();
+    if (missing > kExtremaMissing) checks_.complete = false, checks_.incomplete_blame = astray ? Blame::firmware : Blame::rig;
+    checks_.value_check("extrema_count", "Share of the profile's extrema that are missing", missing, "1", 0.0, record_.expected_extrema,
                         {Limit::Kind::upper, kExtremaMissing, "ours: the profile was played"},
-                        fmt::format("the reference followed {:.0f} of {:.0f} extrema of the profile", found, expected));
+                        fmt::format("the reference followed {} of {:.0f} extrema of the profile", extrema.followed, expected));
+    if (!astray) return;
+    checks_.judge_even_if_incomplete();
+    checks_.list.back().check.title = "Share of the profile's extrema that the ATI missed, led astray by the firmware";
+    checks_.list.back().check.evidence += fmt::format("; at {} of the others the firmware had left the ATI by more than {:g} N, and wheel, spring witness and link are sound",
+                                                      extrema.led_astray, kDeparture_N);
+  }
+
+  // The rule of the safety stop: in a closed loop the force goes where the firmware's estimate takes it. What is known to be its algorithm's
+  // answer to these codes may be the sensor's doing.
+  bool answers_for_the_force() const {
+    const bool conforms = record_.conformance_known && record_.conformance <= record_.conformance_limit;
+    return planned_.loop == LoopMode::closed && checks_.rig_sound && found_.calibration_fits && lost_on_link() == 0 && !conforms;
+  }
+
+  std::uint64_t lost_on_link() const {
+    const DutCounters& l = record_.link;
+    return l.frames_dropped + l.frames_bad + l.indices_lost + l.overruns + l.naks;
   }
 
   void link() {
     const DutCounters& l = record_.link;
-    const std::uint64_t bad = l.frames_dropped + l.frames_bad + l.indices_lost + l.overruns + l.naks;
+    const std::uint64_t bad = lost_on_link();
     Check& c = checks_.value_check(
         "link_intact", "Frames and samples lost on the link", static_cast<double>(bad), "1", 0.0, l.samples,
         {Limit::Kind::upper, 0.0, "ours: a sound link loses nothing"},

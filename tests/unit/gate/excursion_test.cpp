@@ -73,5 +73,39 @@ TEST(OutputExcursion, an_algorithm_that_is_implemented_twice_is_judged_by_confor
   EXPECT_EQ(find(bench.judge(record), "output_excursion"), nullptr);
 }
 
+// From the middle on the wheel stands at the end of its force, because the firmware reads a low one.
+CaseRecord led_astray(Bench& bench, double dut_N) {
+  bench.close_loop();
+  CaseRecord record = sound(bench);
+  for (std::size_t i = record.pairs.size() / 2; i < record.pairs.size(); ++i) record.pairs[i].ati_N = 5.0, record.pairs[i].dut_N = dut_N;
+  return record;
+}
+
+TEST(LedAstray, what_the_firmware_made_the_wheel_do_is_not_charged_to_the_rig) {
+  Bench bench;
+  const JudgedCase judged = bench.judge(led_astray(bench, 2.0));
+  const Check& c = *find(judged, "extrema_count");
+  EXPECT_EQ(c.verdict, Verdict::fail) << c.evidence;
+  EXPECT_EQ(c.blame, Blame::firmware);
+  EXPECT_NE(c.evidence.find("the firmware had left the ATI"), std::string::npos) << c.evidence;
+}
+
+TEST(LedAstray, a_firmware_that_reports_what_the_reference_does_is_not_charged) {
+  Bench bench;
+  const JudgedCase judged = bench.judge(led_astray(bench, 5.0));
+  EXPECT_EQ(find(judged, "extrema_count")->verdict, Verdict::inconclusive);
+  EXPECT_EQ(find(judged, "extrema_count")->blame, Blame::rig);
+}
+
+TEST(LedAstray, nor_is_one_that_conforms_or_whose_link_lost_samples) {
+  Bench bench;
+  CaseRecord conforms = led_astray(bench, 2.0), lossy = conforms;
+  conforms.conformance_known = true;
+  conforms.conformance_limit = 1.0;
+  EXPECT_EQ(find(bench.judge(conforms), "extrema_count")->verdict, Verdict::inconclusive);
+  lossy.link.frames_dropped = 1;
+  EXPECT_EQ(find(bench.judge(lossy), "extrema_count")->verdict, Verdict::inconclusive);
+}
+
 }  // namespace
 }  // namespace forcegate
