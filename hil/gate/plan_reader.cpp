@@ -175,8 +175,11 @@ Result<PlanCase> read_case(const ConfigNode& node, const Plan& plan) {
   r.number("tail_s", c.tail_s, 0.0, kDay_s);
   r.number("prelude_s", c.prelude_s, 0.0, kDay_s);
   double limit = 0.0;
-  if (r.number("maxima_pct", limit, 0.0, 1000.0)) c.maxima_pct = limit;
-  if (r.number("minima_pct", limit, 0.0, 1000.0)) c.minima_pct = limit;
+  for (const auto& [key, given] : {std::pair{"maxima_pct", &c.maxima_pct}, std::pair{"minima_pct", &c.minima_pct}}) {
+    if (!r.number(key, limit, 0.0, 1000.0)) continue;
+    *given = limit;
+    if (limit == 0.0) r.complain(*node.find(key), fmt::format("{} = 0 passes no firmware: every error has an uncertainty", key), "leave it out, and derive limits (forcegate limits)");
+  }
   r.text("limit_source", c.limit_source);
   const ConfigNode* stimulus = r.table("stimulus", ConfigReader::required);
   if (r.good() && (c.maxima_pct || c.minima_pct) && c.limit_source.empty())
@@ -263,14 +266,15 @@ Result<void> read_limits(const ConfigNode& node, PlanLimits& l) {
   r.text("goldens", l.goldens);
   r.text("derived", l.derived);
   r.number("learning_s", l.learning_s, 0.0, kDay_s);
-  r.number("lag_s", l.lag_s, 0.0, 60.0);
+  if (r.number("lag_s", l.lag_s, 0.0, 60.0) && l.lag_s == 0.0)
+    r.complain(*node.find("lag_s"), "lag_s = 0 passes no firmware: every distance in time has an uncertainty", "give the longest one, in s (0.05 where nothing is said)");
   r.number("output_max_N", l.output_max_N, 0.0, 1e6);
   r.number("spike_max_N", l.spike_max_N, 0.0, 1e6);
+  r.number("excursion_max_N", l.excursion_max_N, 0.0, 1e6);
   r.number("hold_pct", l.hold_pct, 0.0, 1000.0);
   r.number("minima_floor_N", l.minima_floor_N, 0.0, 5.0);
   r.number("increase_pct", l.increase_pct, 0.0, 100.0);
   r.number("instructions", l.instructions, 0.0, 1e9);
-  r.number("excursion_max_N", l.excursion_max_N, 0.0, 1e6);
   r.number("stack_bytes", l.stack_bytes, 0.0, 1e9);
   r.number("ram_bytes", l.ram_bytes, 0.0, 1e9);
   r.number("flash_bytes", l.flash_bytes, 0.0, 1e9);

@@ -246,5 +246,20 @@ TEST_F(GateEvidence, APlanThatTheGateRefusesIsNotRecommendedToIt) {
   EXPECT_THAT(run({"plan", plan}).out, HasSubstr("nowhere, and without a golden there is no decision"));
 }
 
+TEST_F(GateEvidence, WhatAPlanCannotPassOrNeverJudgesIsToldBeforeItIsPlayed) {
+  const auto told = [&](const std::string& from, const std::string& to) {
+    write_text(plan, replaced(kPlan, from, to));
+    const ProcessResult r = run({"plan", plan});
+    return std::pair(r.exit_code, r.out + r.err);
+  };
+  EXPECT_THAT(told("[safety]", "[limits]\nlag_s = 0\n[safety]"), testing::Pair(2, testing::AllOf(HasSubstr("lag_s = 0 passes no firmware"), HasSubstr("plan.toml:"))));
+  EXPECT_THAT(told("maxima_pct = 95", "maxima_pct = 0"), testing::Pair(2, HasSubstr("maxima_pct = 0 passes no firmware")));
+  EXPECT_THAT(told("[safety]", "[limits]\nlag_s = 50\n[safety]"), testing::Pair(0, HasSubstr("case slow: the lag is never decided, half a period of 0.25 s")));
+  EXPECT_THAT(told("minima_pct = 95\n", ""), testing::Pair(0, HasSubstr("case slow asks for an accuracy and has no limit for its minima (mre_minima)")));
+  EXPECT_THAT(told("maxima_pct = 95\n", "maxima_pct = 95\ntail_s = 5000\n"), testing::Pair(0, HasSubstr("tail_s = 5000 s is no less than the record's 90 s")));
+  EXPECT_THAT(told("maxima_pct = 95\n", "maxima_pct = 95\ntail_s = 0.5\n"), testing::Pair(0, HasSubstr("tail_s = 0.5 s holds fewer than two periods")));
+  EXPECT_THAT(told("maxima_pct", "maxima_pct"), testing::Pair(0, Not(HasSubstr("note: "))));
+}
+
 }  // namespace
 }  // namespace forcegate::test
