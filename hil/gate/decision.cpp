@@ -84,6 +84,14 @@ std::string left_out(std::span<const Check* const> checks) {
   return text;
 }
 
+// How far it lies from its limit, and what keeps it from being decided. Of a part of a record the number says nothing that the evidence does not.
+std::string value_and_evidence(const Check& c) {
+  const bool part = c.id == "coverage" || c.id == "extrema_count";
+  if (part || c.evidence.empty() || title_is_a_promise(c) || c.limit.kind == Limit::Kind::none || !std::isfinite(c.value))
+    return c.evidence.empty() ? check_in_words(c) : title_and_evidence(c);
+  return check_in_words(c) + ": " + c.evidence;
+}
+
 Decision no_decision(Blame blame, int exit_code, std::string reason) {
   Decision d;
   d.kind = DecisionKind::no_decision;
@@ -194,10 +202,8 @@ Decision decide(std::span<const Check* const> checks, const DecisionRule& rule, 
       reason = "inside the limit by less than its uncertainty: " + check_in_words(first);
     else if (first.verdict == Verdict::not_run)
       reason = "not run: " + title_and_evidence(first);
-    else if (first.evidence.empty())
-      reason = "not decided: " + check_in_words(first);
     else
-      reason = "not decided: " + title_and_evidence(first);
+      reason = "not decided: " + value_and_evidence(first);
     Blame blame = first.blame;
     if (blame == Blame::none) blame = Blame::user;
     d = no_decision(blame, 3, reason + named(first) + more(open.size()));

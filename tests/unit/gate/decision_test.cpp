@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "hil/base/rng.h"
+#include "hil/base/text.h"
 
 namespace forcegate {
 namespace {
@@ -344,6 +345,14 @@ TEST(Decision, no_sequence_of_errors_missing_data_or_nan_yields_accept) {
         << "round " << round;
   }
   EXPECT_GT(accepted, 100) << "the test must also see what ACCEPT looks like";
+}
+
+TEST(DecisionRule, tells_an_inconclusive_value_with_its_limit) {
+  Check close = check(5.2, 5.0, 0.3);
+  close.evidence = "590 maxima, largest 9.1 %";
+  const Decision d = decided(judged({close}));
+  EXPECT_EQ(d.exit_code, 3);
+  EXPECT_EQ(d.reason, "not decided: Mean relative error of the maxima " + with_uncertainty(5.2, 0.3) + " % > 5 % (test): 590 maxima, largest 9.1 %");
 }
 
 }  // namespace
