@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "hil/base/text.h"
+
 namespace forcegate {
 namespace {
 
@@ -97,6 +99,14 @@ Result<void> BenchSession::arm() {
   armed_ = true;
   if (!bench_.twins) real_time_.request();
   return {};
+}
+
+Result<void> BenchSession::beat() {
+  lease_.beat();
+  if (guard_.beat()) return {};
+  return fail(ErrorCode::safety,
+              fmt::format("the harness was held up for more than {} s, or its guard has died: the guard of the motor is gone", shortest(kGuardSilence_s)),
+              bench_.path.string(), "leave the machine to the bench while it runs, and look which adapter's program holds the loop up");
 }
 
 bool BenchSession::make_safe() noexcept {

@@ -31,10 +31,8 @@ class BenchSession {
   /// Starts the guard and arms the drive. ErrorCode::safety on a real bench without the option arm.
   Result<void> arm();
   bool armed() const { return armed_; }
-  void beat() noexcept {
-    guard_.beat();
-    lease_.beat();
-  }
+  /// An error where the guard has left: it has stopped the motor, or nobody would.
+  Result<void> beat();
   /// Motor stopped, streams off, guard dismissed when the stop was confirmed. In any state. False: the drive was armed
   /// and has confirmed no stop; the guard goes on trying when we are gone.
   bool make_safe() noexcept;
