@@ -63,15 +63,11 @@ class ModbusMotor final : public MotorDrive {
     const Register& timeout = map_.reg.at(map_.heartbeat.drive_timeout_reg);
     FORCEGATE_TRY(const auto words, encode(timeout, map_.heartbeat.drive_timeout_ms));
     FORCEGATE_CHECK_OK(write_register(timeout, words));
-    FORCEGATE_TRY(const auto echoed, verified([&] {
-                    return line_->read(timeout.read_function, timeout.address, timeout.size());
-                  }));
-    if (echoed != words)
-      return fail(ErrorCode::safety,
-                  "the drive does not accept its communication timeout: it would not stop when "
-                  "the harness dies",
-                  where(),
+    FORCEGATE_TRY(const bool kept, verified([&] { return keeps_timeout(); }));
+    if (!kept)
+      return fail(ErrorCode::safety, "the drive does not accept its communication timeout: it would not stop when the harness dies", where(),
                   "set [motor.heartbeat] drive_timeout_reg to the register of the drive's own timeout");
+    told_ = ran_ = false;
     FORCEGATE_CHECK_OK(run_command("enable", std::nullopt));
     armed_ = true;
     return {};
@@ -80,6 +76,7 @@ class ModbusMotor final : public MotorDrive {
   Result<void> command_velocity(double rad_per_s) override {
     if (!armed_)
       return fail(ErrorCode::safety, "the drive is not armed: nothing moves", where(), "arm it first");
+    told_ = true;
     return run_command("run", rad_per_s);
   }
 
@@ -87,30 +84,37 @@ class ModbusMotor final : public MotorDrive {
     if (!line_) return fail(ErrorCode::device, "the drive is not open", where());
     FORCEGATE_TRY(MotorState state, verified([&] { return read_once(); }));
     if (last_theta_) {  // a jump that no motor can make is not believed at once
-      const double reach =
-          kJumpMargin_rad + 1.5 * *map_.reg.at("velocity_set").high * (state.t_s - last_t_s_);
+      const double reach = kJumpMargin_rad + 1.5 * *map_.reg.at("velocity_set").high * (state.t_s - last_t_s_);
       if (std::fabs(state.theta_rad - *last_theta_) > reach) {
         ++implausible_;
         FORCEGATE_TRY(const MotorState again, verified([&] { return read_once(); }));
-        if (std::fabs(again.theta_rad - state.theta_rad) > reach ||
-            std::fabs(again.theta_rad - *last_theta_) > reach)
-          return fail(ErrorCode::device,
-                      fmt::format("the drive's position jumps from {:.3f} to {:.3f} rad", *last_theta_,
-                                  state.theta_rad),
+        if (std::fabs(again.theta_rad - state.theta_rad) > reach || std::fabs(again.theta_rad - *last_theta_) > reach)
+          return fail(ErrorCode::device, fmt::format("the drive's position jumps from {:.3f} to {:.3f} rad", *last_theta_, state.theta_rad),
                       where(), "check encoder, word order and scale of the register 'position'");
         state = again;
       }
     }
     last_theta_ = state.theta_rad;
     last_t_s_ = state.t_s;
-    if (!state.running) written_.clear();
-    return state;
+    if (state.running) ran_ = true;
+    if (state.running || state.fault) return state;
+    written_.clear();
+    if (!armed_ || !told_) return state;
+    // Told to run once more it would run on without the timeout that it forgot when it began anew.
+    FORCEGATE_TRY(const bool kept, verified([&] { return keeps_timeout(); }));
+    if (!kept) return forgotten();
+    if (!ran_) return state;
+    return fail(ErrorCode::device, "the drive has stopped running, and nobody told it to", where(),
+                "look whether another hand stopped it; state 'running' must hold at velocity 0 too");
   }
 
-  Result<void> stop() override { return run_command("stop", std::nullopt); }
+  Result<void> stop() override {
+    told_ = ran_ = false;
+    return run_command("stop", std::nullopt);
+  }
 
   Result<void> emergency() override {
-    armed_ = false;
+    armed_ = told_ = false;
     written_.clear();
     Error last{ErrorCode::device, "the drive is not open", where(), {}};
     for (int attempt = 0; attempt < 4; ++attempt) {
@@ -194,6 +198,11 @@ class ModbusMotor final : public MotorDrive {
         // a late echo of the same register would pass for the answer to a write
         if (auto connected = line_->connect(); !connected || !prove()) continue;
       }
+      if (armed_) {  // what did not answer may have been one that began anew
+        const auto kept = keeps_timeout();
+        if (!kept) continue;
+        if (!*kept) return forgotten();
+      }
       result = exchange();
     }
     return result;
@@ -229,8 +238,7 @@ class ModbusMotor final : public MotorDrive {
     // Function 23 reads holding registers: what function 4 reads lies elsewhere.
     if (map_.heartbeat.read_write_together && blocks_.size() == 1 && blocks_[0].function == 3) {
       const std::uint16_t word = ++counter_;
-      FORCEGATE_TRY(auto words,
-                    line_->write_and_read(heart.address, {&word, 1}, blocks_[0].address, blocks_[0].count));
+      FORCEGATE_TRY(auto words, line_->write_and_read(heart.address, {&word, 1}, blocks_[0].address, blocks_[0].count));
       values.push_back(std::move(words));
     } else {
       FORCEGATE_CHECK_OK(beat());
@@ -247,10 +255,9 @@ class ModbusMotor final : public MotorDrive {
     const auto words_of = [&](const Register& r) {
       for (std::size_t i = 0; i < blocks_.size(); ++i) {
         const ReadBlock& b = blocks_[i];
-        if (b.function == r.read_function && r.address >= b.address &&
-            r.address + r.size() <= b.address + b.count)
-          return std::span<const std::uint16_t>(values[i]).subspan(
-              static_cast<std::size_t>(r.address - b.address), static_cast<std::size_t>(r.size()));
+        if (b.function == r.read_function && r.address >= b.address && r.address + r.size() <= b.address + b.count)
+          return std::span<const std::uint16_t>(values[i]).subspan(static_cast<std::size_t>(r.address - b.address),
+                                                                   static_cast<std::size_t>(r.size()));
       }
       return std::span<const std::uint16_t>();
     };
@@ -271,6 +278,18 @@ class ModbusMotor final : public MotorDrive {
     return state;
   }
 
+  Result<bool> keeps_timeout() {
+    const Register& timeout = map_.reg.at(map_.heartbeat.drive_timeout_reg);
+    FORCEGATE_TRY(const auto words, encode(timeout, map_.heartbeat.drive_timeout_ms));
+    FORCEGATE_TRY(const auto echoed, line_->read(timeout.read_function, timeout.address, timeout.size()));
+    return echoed == words;
+  }
+
+  Unexpected forgotten() const {
+    return fail(ErrorCode::safety, "the drive has lost its communication timeout while it was armed: it has begun anew, and would not stop when the harness dies",
+                where(), "look at its supply and emergency switch, and for what resets it");
+  }
+
   Unexpected stale() {
     ++stale_;
     return fail(ErrorCode::device, "the drive answers with the reply to an earlier request", where());
@@ -289,8 +308,7 @@ class ModbusMotor final : public MotorDrive {
     } else if (argument) {
       FORCEGATE_TRY(words, encode(reg, *argument));
     } else {
-      return fail(ErrorCode::config,
-                  "a command without argument writes no value to register '" + step.reg + "'", where());
+      return fail(ErrorCode::config, "a command without argument writes no value to register '" + step.reg + "'", where());
     }
     return line_->write(reg.write_function, reg.address, words);
   }
@@ -324,7 +342,7 @@ class ModbusMotor final : public MotorDrive {
   std::vector<const Register*> watched_;
   std::vector<ReadBlock> blocks_;
   std::map<std::string, std::vector<std::uint16_t>> written_;
-  bool armed_ = false;
+  bool armed_ = false, told_ = false, ran_ = false;  ///< told to run; seen to run since
   std::uint16_t counter_ = 0;
   std::optional<double> last_theta_;
   double last_t_s_ = 0.0;

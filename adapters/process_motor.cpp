@@ -44,6 +44,7 @@ class ProcessMotor final : public MotorDrive {
                   "the program must set the timeout, read it back from the drive and answer 'timeout_s'");
     }
     armed_ = true;
+    told_ = ran_ = false;
     return {};
   }
 
@@ -53,6 +54,7 @@ class ProcessMotor final : public MotorDrive {
                   "arm it first");
     if (!(std::fabs(rad_per_s) <= velocity_max_rad_per_s_))
       return fail(ErrorCode::safety, "the velocity is beyond the limit of the drive", program_.where());
+    told_ = true;
     FORCEGATE_CHECK_OK(program_.ask("velocity", {{"rad_per_s", rad_per_s}}));
     return {};
   }
@@ -76,17 +78,23 @@ class ProcessMotor final : public MotorDrive {
     state.running = running != 0.0;
     state.fault = fault != 0.0;
     state.fault_code = static_cast<std::uint32_t>(code);
+    // One that began anew has forgotten its timeout: it must not be told to run once more.
+    if (armed_ && told_ && ran_ && !state.running && !state.fault)
+      return fail(ErrorCode::device, "the drive has stopped running, and nobody told it to", program_.where(),
+                  "look whether it was reset or another hand stopped it; 'running' must hold at velocity 0 too");
+    if (state.running) ran_ = true;
     return state;
   }
 
   Result<void> stop() override {
+    told_ = ran_ = false;
     FORCEGATE_CHECK_OK(program_.ask("stop"));
     return {};
   }
 
   /// A program that does not obey is killed and started anew, without asking who else has the port.
   Result<void> emergency() override {
-    armed_ = false;
+    armed_ = told_ = false;
     Error last;
     for (int attempt = 0; attempt < 3; ++attempt) {
       if (!program_.running()) {
@@ -112,7 +120,7 @@ class ProcessMotor final : public MotorDrive {
   AdapterProcess program_;
   BenchWorld& world_;
   double velocity_max_rad_per_s_, drive_timeout_s_;
-  bool armed_ = false;
+  bool armed_ = false, told_ = false, ran_ = false;  ///< told to run; seen to run since
 };
 
 Result<std::unique_ptr<MotorDrive>> make(const ConfigNode& table, BenchWorld& world) {

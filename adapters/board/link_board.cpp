@@ -1,5 +1,7 @@
 #include "adapters/board/link_board.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
 #include <chrono>
@@ -10,6 +12,7 @@ namespace forcegate {
 namespace {
 
 constexpr int kAttempts = 3;
+constexpr std::size_t kFirstBytes = 16, kMostAtOnce = 65536;
 constexpr double kTimeEvery_s = 0.5;  ///< of bench time, while the board streams
 
 }  // namespace
@@ -28,6 +31,8 @@ Result<DeviceIdentity> LinkBoard::open() {
   line_ = std::move(*line);
   counters_ = {};
   buffer_.clear();
+  first_bytes_.clear();
+  bytes_ = frames_ = 0;
   expects_sequence_ = image_loaded_ = false;
   static constexpr std::uint8_t kFlush = 0;  // ends whatever half a frame the board has in its buffer
   if (auto sent = line_->write({&kFlush, 1}, options_.reply_timeout_s); !sent)
@@ -207,11 +212,15 @@ Result<bool> LinkBoard::receive(double timeout_s) {
     if (*n == 0) return any;
     any = true;
     buffer_.insert(buffer_.end(), bytes, bytes + *n);
+    bytes_ += *n;
+    for (std::size_t i = 0; i < *n && first_bytes_.size() < kFirstBytes; ++i) first_bytes_ += static_cast<char>(bytes[i]);
+    if (buffer_.size() > kMostAtOnce) return any;  // of a line that is never still
   }
 }
 
 // Sequence numbers count the frames of one direction; a gap is a lost frame.
 Result<void> LinkBoard::note(const link::Frame& frame) {
+  ++frames_;
   // Before load() the board may run anything: what is judged is flashed first.
   if (image_loaded_ && frame.version >> 4 != link::kVersion >> 4)
     return fail(ErrorCode::firmware, "the board speaks an unknown protocol major " + std::to_string(frame.version >> 4), where());
@@ -259,8 +268,19 @@ Result<link::Frame> LinkBoard::ask(link::Type type, const std::vector<std::uint8
           where());
     }
   }
-  return fail(ErrorCode::timeout, "the board does not answer", where(),
-              "check power, cable and baud rate of the sensor board, and that its firmware runs");
+  return no_answer();
+}
+
+// A board that talks, but not this link, has power and a cable.
+Unexpected LinkBoard::no_answer() const {
+  if (bytes_ == 0 || frames_ > 0)
+    return fail(ErrorCode::timeout, "the board does not answer", where(),
+                "check power, cable and baud rate of the sensor board, and that its firmware runs");
+  const bool text = std::all_of(first_bytes_.begin(), first_bytes_.end(), [](char c) { return (c >= ' ' && c <= '~') || c == '\r' || c == '\n' || c == '\t'; });
+  std::string first;
+  for (const char c : first_bytes_) first += text ? std::string(1, c < ' ' ? ' ' : c) : fmt::format("{}{:02x}", first.empty() ? "" : " ", static_cast<unsigned char>(c));
+  return fail(ErrorCode::timeout, fmt::format("the board sends bytes (first: {}) but no frame of the link", text ? "\"" + first + "\"" : first), where(),
+              "another sketch runs on it than one of docs/protocol.md, or baud of [board] is not its rate");
 }
 
 }  // namespace forcegate

@@ -49,6 +49,7 @@ class LinkBoard final : public SensorBoard {
   Result<void> ask_time();
   void take_time(const link::Frame& frame);
   Result<void> take(const link::Frame& frame, std::vector<BoardSample>& out);
+  Unexpected no_answer() const;
   Unexpected wider(std::uint16_t code) const;
 
   LinkBoardOptions options_;
@@ -56,6 +57,8 @@ class LinkBoard final : public SensorBoard {
   BenchWorld& world_;
   std::unique_ptr<Transport> line_;
   std::vector<std::uint8_t> buffer_;
+  std::string first_bytes_;  ///< since the line was opened
+  std::uint64_t bytes_ = 0, frames_ = 0;
   std::uint16_t sequence_ = 0, stream_request_ = 0, expected_sequence_ = 0;
   bool expects_sequence_ = false, streaming_ = false;
   bool image_loaded_ = false;            ///< what runs on the board is what is judged

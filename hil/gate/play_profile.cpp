@@ -75,6 +75,7 @@ Result<void> play_profile(Rig& rig, const Stimulus& stimulus, RigRecordRequest r
       return fail(ErrorCode::cancelled, "interrupted");
   }
   rig.park();
+  out.rig.details = rig.info().details;  // with what the instruments counted
   witness.zero_after(rig.reference_zero());
   out.observed = witness.finish();
   out.safety = gate.report();

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include "hil/base/text.h"
+#include "hil/rig/self_check.h"
+
 namespace forcegate {
 namespace {
 
@@ -65,6 +68,7 @@ Result<void> BenchSession::open() {
   FORCEGATE_CHECK_OK(open_device("motor", *motor_));
   open_ = true;
   ticks_.clear();
+  late_ticks_ = 0;
   return {};
 }
 
@@ -97,6 +101,14 @@ Result<void> BenchSession::arm() {
   armed_ = true;
   if (!bench_.twins) real_time_.request();
   return {};
+}
+
+Result<void> BenchSession::beat() {
+  lease_.beat();
+  if (guard_.beat()) return {};
+  return fail(ErrorCode::safety,
+              fmt::format("the harness was held up for more than {} s, or its guard has died: the guard of the motor is gone", shortest(kGuardSilence_s)),
+              bench_.path.string(), "leave the machine to the bench while it runs, and look which adapter's program holds the loop up");
 }
 
 bool BenchSession::make_safe() noexcept {
@@ -143,7 +155,10 @@ std::map<std::string, std::string> BenchSession::details() const {
   tell_clock("motor", motor_->clock());
   tell_clock("reference", reference_->clock());
   tell_clock("board", board_->clock());
-  if (ticks_.ticks() > 0) out["late ticks"] = ticks_.to_text();
+  if (ticks_.ticks() > 0) {
+    out["late ticks"] = ticks_.to_text();
+    out[kLateTickShare] = fmt::format("{:.6f}", static_cast<double>(late_ticks_) / static_cast<double>(ticks_.ticks()));
+  }
   if (ticks_.ticks() > 0 && !bench_.twins) out["real time"] = real_time_.text();
   return out;
 }

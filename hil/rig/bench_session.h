@@ -31,10 +31,8 @@ class BenchSession {
   /// Starts the guard and arms the drive. ErrorCode::safety on a real bench without the option arm.
   Result<void> arm();
   bool armed() const { return armed_; }
-  void beat() noexcept {
-    guard_.beat();
-    lease_.beat();
-  }
+  /// An error where the guard has left: it has stopped the motor, or nobody would.
+  Result<void> beat();
   /// Motor stopped, streams off, guard dismissed when the stop was confirmed. In any state. False: the drive was armed
   /// and has confirmed no stop; the guard goes on trying when we are gone.
   bool make_safe() noexcept;
@@ -45,7 +43,10 @@ class BenchSession {
   BenchWorld& world() { return *world_; }
   /// How late the harness came back from a wait that was to end at due_s (bench time).
   void ticked(double due_s) {
-    if (!world_->is_virtual()) ticks_.add(world_->now_s() - due_s);
+    if (world_->is_virtual()) return;
+    const double late_s = world_->now_s() - due_s;
+    ticks_.add(late_s);
+    if (late_s > bench_.limits.reference_stale_s) ++late_ticks_;
   }
   MotorDrive& motor() { return *motor_; }
   ReferenceSensor& reference() { return *reference_; }
@@ -69,6 +70,7 @@ class BenchSession {
   ParkGuard guard_;
   Lease lease_;
   TickHistogram ticks_;
+  std::uint64_t late_ticks_ = 0;  ///< later than a reading of the reference counts
   RealTime real_time_;
   bool open_ = false, armed_ = false;
   std::map<std::string, DeviceIdentity> identity_;

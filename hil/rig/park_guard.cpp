@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -36,8 +37,8 @@ bool watch(int fd, double silence_s) {
 Result<void> ParkGuard::start(std::function<void()> stop_motor, double silence_s) {
   dismiss();
   int ends[2], ready[2];
-  if (pipe2(ends, O_CLOEXEC) != 0)
-    return fail(ErrorCode::io, std::string("no pipe: ") + std::strerror(errno));
+  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)  // a pipe would end us by a signal when the guard has left
+    return fail(ErrorCode::io, std::string("no pair of sockets: ") + std::strerror(errno));
   if (pipe2(ready, O_CLOEXEC) != 0) {
     close(ends[0]);
     close(ends[1]);
@@ -65,7 +66,7 @@ Result<void> ParkGuard::start(std::function<void()> stop_motor, double silence_s
   }
   close(ends[0]);
   close(ready[1]);
-  pipe_ = ends[1];
+  line_ = ends[1];
   char answer = 0;
   while (::read(ready[0], &answer, 1) < 0 && errno == EINTR) {
   }
@@ -74,19 +75,18 @@ Result<void> ParkGuard::start(std::function<void()> stop_motor, double silence_s
     dismiss();
     return fail(ErrorCode::internal, "the process that parks the motor did not start");
   }
-  fcntl(pipe_, F_SETFL, O_NONBLOCK);
   return {};
 }
 
-void ParkGuard::beat() noexcept {
-  if (pipe_ >= 0) (void)!::write(pipe_, &kBeat, 1);
+bool ParkGuard::beat() noexcept {
+  return line_ < 0 || send(line_, &kBeat, 1, MSG_NOSIGNAL | MSG_DONTWAIT) == 1 || errno == EAGAIN;
 }
 
 void ParkGuard::dismiss() noexcept {
-  if (pipe_ < 0) return;
-  (void)!::write(pipe_, &kDismissed, 1);
-  close(pipe_);
-  pipe_ = -1;
+  if (line_ < 0) return;
+  (void)send(line_, &kDismissed, 1, MSG_NOSIGNAL | MSG_DONTWAIT);
+  close(line_);
+  line_ = -1;
   while (waitpid(child_, nullptr, 0) < 0 && errno == EINTR) {
   }
   child_ = -1;

@@ -21,14 +21,15 @@ class ParkGuard {
   /// `stop_motor` runs in the guard, once, when this process ends without dismiss() or gives no beat() for silence_s
   /// (0: only when it ends). Call before any instrument is opened.
   Result<void> start(std::function<void()> stop_motor, double silence_s);
-  void beat() noexcept;
+  /// False: the guard has left, the motor is stopped or nobody will stop it.
+  bool beat() noexcept;
   /// The motor has been stopped in good order: the guard leaves.
   void dismiss() noexcept;
   pid_t id() const { return child_; }
 
  private:
   pid_t child_ = -1;
-  int pipe_ = -1;
+  int line_ = -1;
 };
 
 }  // namespace forcegate

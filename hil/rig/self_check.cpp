@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <charconv>
 #include <cmath>
 #include <limits>
 
@@ -101,10 +102,15 @@ class SelfCheck {
 
   void reference() {
     const std::uint64_t bad = o_.reference_saturated + o_.reference_fault + o_.reference_not_finite;
+    const double late = late_tick_share();
+    const bool nobody_asked = o_.reference_saturated == 0 && share(bad) <= late;
     add({"rig_reference_valid", "Share of samples without a valid ATI reading", share(bad), "1",
-         limits_.reference_bad_share, Blame::reference,
+         limits_.reference_bad_share, nobody_asked ? Blame::rig : Blame::reference,
          fmt::format("ATI: {} samples saturated, {} with an error, {} without a value, of {}",
-                     o_.reference_saturated, o_.reference_fault, o_.reference_not_finite, o_.samples)});
+                     o_.reference_saturated, o_.reference_fault, o_.reference_not_finite, o_.samples) +
+             (nobody_asked && bad > 0 ? fmt::format("; {:.2g} % of the harness's own ticks came later than a reading counts: the machine was busy, or the "
+                                                    "adapter of an instrument holds the loop up", 100.0 * late)
+                                      : "")});
     const double quantisation_N = info_.reference_resolution_N / std::sqrt(12.0);
     const double declared_N = std::hypot(info_.reference_noise_N, quantisation_N);
     if (info_.reference_noise_N > 0.0)
@@ -119,6 +125,13 @@ class SelfCheck {
            "s", limits_.frozen_s, Blame::reference,
            fmt::format("the ATI reading did not change for {:.2f} s of motion, {:.2f} s in all",
                        o_.reference_frozen_s, o_.reference_stale_s)});
+  }
+
+  double late_tick_share() const {
+    const auto at = info_.details.find(kLateTickShare);
+    double late = 0.0;
+    if (at != info_.details.end()) std::from_chars(at->second.data(), at->second.data() + at->second.size(), late);
+    return late;
   }
 
   void drive() {

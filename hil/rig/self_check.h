@@ -32,6 +32,10 @@ struct SelfCheckLimits {
   double clock_rel = 1e-3;        ///< |time stamps over samples - 1|
 };
 
+/// Of RigInfo::details, a number: share of the harness's ticks that came later than a reading of the reference counts. Readings
+/// that are missing in no more than that share of the rows are not the reference's: nobody asked for them in time.
+inline constexpr const char* kLateTickShare = "share of ticks later than a reading counts";
+
 /// Ids: rig_samples, rig_clock, rig_reference_identity, rig_reference_zero, rig_reference_valid, rig_reference_noise,
 /// rig_reference_alive, rig_motor, rig_following, rig_reference_lag, rig_spring_witness, rig_spring_slope,
 /// rig_spring_scatter, rig_adc, rig_sensor, rig_sensor_jumps, rig_sensor_follows. Those a rig cannot have (no wheel in a recording, no

@@ -46,7 +46,7 @@ Result<SlowMoveEnd> move(BenchSession& s, const SlowMove& m) {
     FORCEGATE_CHECK_OK(s.motor().command_velocity(
         cut_to_limits(wanted_rad_per_s, state.theta_rad, g, limits.velocity_max_rad_per_s, limits.force_rate_max_N_per_s)));
     FORCEGATE_CHECK_OK(world.advance_to(world.now_s() + kPeriod_s));
-    s.beat();
+    FORCEGATE_CHECK_OK(s.beat());
     FORCEGATE_TRY(state, s.motor().read());
     if (state.fault)
       return fail(ErrorCode::device, fmt::format("the drive reports fault {:#x}", state.fault_code), "motor",

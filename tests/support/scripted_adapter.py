@@ -29,7 +29,7 @@ def value():
         return {"rows": [[now - 0.001, 1.5, 0]]}
     if device == "board":
         return {"rows": [[calls, 1000 + calls, 2.5, 1]]}
-    return {"theta_rad": float(calls), "velocity_rad_per_s": 0.0, "running": True, "fault": False, "fault_code": 0}
+    return {"theta_rad": float(calls), "velocity_rad_per_s": 0.0, "running": fault != "begins_anew" or calls < 3, "fault": False, "fault_code": 0}
 
 
 def spoil(reply):

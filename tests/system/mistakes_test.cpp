@@ -179,6 +179,10 @@ TEST(Mistakes, InTheTimeOfAWireFaultAreNoFaultThatWasSurvived) {
     const ProcessResult listed = forcegate({"bench", "list", file}, kHere);
     EXPECT_EQ(listed.exit_code, 2) << when << listed.out;
     EXPECT_THAT(listed.out, HasSubstr(told));
+    const ProcessResult asked = forcegate({"bench", "doctor", file}, kHere);  // the same help as there
+    const std::size_t help = asked.err.find("help: ");
+    ASSERT_NE(help, std::string::npos) << asked.err;
+    EXPECT_THAT(listed.out, HasSubstr(asked.err.substr(help, asked.err.find('\n', help) - help)));
   }
   with("at_s = 99999\n");
   EXPECT_THAT(gated(), ::testing::AllOf(HasSubstr("begins at 99999 s"), HasSubstr("bench.toml:")));

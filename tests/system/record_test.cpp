@@ -85,7 +85,11 @@ TEST_F(Record, GoesOnAfterALaterRecordFailedAndMakesTheSameCampaign) {
   const ProcessResult other = forcegate({"record", "--plan", file, "--seed", "5", "--continue", "-o", out});
   EXPECT_EQ(other.exit_code, 2);
   EXPECT_THAT(other.err, HasSubstr("another campaign already: seed 1 there, 5 asked\n"));
+  write_text(out + "/r02_long.csv.part2147483647", "half");  // of a killed run: no process has that number
+  write_text(out + "/mine.part2147483647", "of somebody else");
   const ProcessResult rest = forcegate({"record", "--plan", file, "--continue", "-o", out});
+  EXPECT_FALSE(fs::exists(out + "/r02_long.csv.part2147483647"));
+  EXPECT_TRUE(fs::exists(out + "/mine.part2147483647"));
   EXPECT_EQ(rest.exit_code, 0) << rest.err;
   EXPECT_THAT(rest.out, HasSubstr("beside 1 that were there"));
   std::string continued = read_text(out + "/campaign.json");
@@ -93,6 +97,14 @@ TEST_F(Record, GoesOnAfterALaterRecordFailedAndMakesTheSameCampaign) {
   EXPECT_EQ(continued, read_text(whole + "/campaign.json"));
   EXPECT_EQ(read_text(out + "/r02_long.csv"), read_text(whole + "/r02_long.csv"));
   EXPECT_EQ(forcegate({"record", "--plan", file, "--continue", "-o", out}).exit_code, 2) << "nothing is missing";
+}
+
+TEST_F(Record, DoesNotBeginACampaignThatItWasToGoOnWith) {
+  const ProcessResult r = forcegate({"record", "--plan", plan("40"), "--continue", "-o", folder / "mistyped"});
+  EXPECT_EQ(r.exit_code, 2) << r.out;
+  EXPECT_THAT(r.err, HasSubstr("there is no campaign to go on with"));
+  EXPECT_THAT(r.err, HasSubstr("without --continue a campaign begins there"));
+  EXPECT_FALSE(fs::exists(folder / "mistyped"));
 }
 
 TEST_F(Record, SaysAllThatDiffersFromTheCampaignThatIsThere) {

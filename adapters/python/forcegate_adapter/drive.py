@@ -32,6 +32,8 @@ class RtuDrive(MotorAdapter):
         self.register = {name: int(options.get(name, number)) for name, number in REGISTERS.items()}
         self.line = open_port(port, int(options.get("baud", 115200)), options.get("parity", "N"), exclusive)
         self.counter = 0
+        self.timeout_ms = None  # of a drive that is armed
+        self.runs = False
         return {"model": "Modbus RTU drive"}
 
     def close(self):
@@ -63,6 +65,16 @@ class RtuDrive(MotorAdapter):
             time.sleep(0.05)  # a late answer must not meet the next request
         raise AdapterError(last, "check power, cable, baud rate and slave number of the drive")
 
+    def _keeps_timeout(self):
+        """A drive that began anew has forgotten its timeout: told to run once more it would run on when the harness dies."""
+        kept_ms = self._timeout_ms()
+        if kept_ms != self.timeout_ms:
+            raise AdapterError(f"the drive has lost its communication timeout while it was armed: {kept_ms} ms, it has begun anew",
+                               "look at its supply and emergency switch, and for what resets it")
+
+    def _timeout_ms(self):
+        return struct.unpack(">H", self._exchange(3, struct.pack(">HH", self.register["comm_timeout"], 1), 3)[1:])[0]
+
     def _write(self, name, word):
         self._exchange(6, struct.pack(">HH", self.register[name], word), 4)
 
@@ -72,15 +84,20 @@ class RtuDrive(MotorAdapter):
             raise AdapterError(f"the drive reports fault {state['fault_code']:#x}", "find its cause in the drive's manual, then reset it")
         timeout_ms = round(1000 * timeout_s)
         self._write("comm_timeout", timeout_ms)
-        echoed_ms = struct.unpack(">H", self._exchange(3, struct.pack(">HH", self.register["comm_timeout"], 1), 3)[1:])[0]
+        echoed_ms = self._timeout_ms()
         if echoed_ms == timeout_ms:  # else the bench refuses: a drive that would not stop by itself stays off
             self._write("control", 0x20)
+            self.timeout_ms = timeout_ms
+            self.runs = False
         return echoed_ms / 1000.0
 
     def velocity(self, rad_per_s):
         raw = struct.pack(">i", round(VELOCITY_SCALE * rad_per_s))
         self._exchange(16, struct.pack(">HHB", self.register["velocity_set"], 2, 4) + raw, 4)
-        self._write("control", 0x28)
+        if not self.runs:
+            self._keeps_timeout()
+            self._write("control", 0x28)
+            self.runs = True
 
     def read(self):
         self.counter = (self.counter + 1) & 0xFFFF
@@ -89,11 +106,15 @@ class RtuDrive(MotorAdapter):
         status, code, position, velocity, scratch = struct.unpack(">HHiiH", data[1:])
         if scratch != self.counter:
             raise AdapterError("the drive answers with the reply to an earlier request")
+        if not status & 0x20:
+            self.runs = False
         return {"theta_rad": position / COUNTS_PER_RAD, "velocity_rad_per_s": velocity / VELOCITY_SCALE,
                 "running": bool(status & 0x20), "fault": bool(status & 0x80), "fault_code": code}
 
     def stop(self):
+        self.runs = False
         self._write("control", 0x20)
 
     def emergency(self):
+        self.runs = False
         self._write("control", 0x00)

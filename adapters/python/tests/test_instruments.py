@@ -217,6 +217,33 @@ class Drive(Played):
         self.assertIn((0x1000, 200), written)
         self.assertNotIn((0x7D, 0x20), written)
 
+    def test_a_drive_that_began_anew_is_not_started_without_its_timeout(self):
+        register = {}
+
+        def reply_to(request):
+            if request[1] == 6:
+                number, word = struct.unpack(">HH", request[2:6])
+                register[number] = word
+                return request[:6]
+            if request[1] == 16:
+                return request[:6]
+            if request[2:4] == b"\x10\x00":
+                return b"\x01\x03\x02" + struct.pack(">H", register.get(0x1000, 0))
+            running = 0x20 if register.get(0x7D) == 0x28 else 0
+            return b"\x01\x03\x0e" + struct.pack(">HHiiH", running, 0, 0, 0, register[0x106])
+
+        drive = self.open_drive(reply_to)
+        self.assertEqual(drive.arm(0.2), 0.2)
+        drive.velocity(1.0)
+        self.assertTrue(drive.read()["running"])
+        register.clear()  # it begins anew behind a reading
+        drive.velocity(1.0)
+        self.assertFalse(drive.read()["running"])
+        with self.assertRaises(AdapterError) as caught:
+            drive.velocity(1.0)
+        self.assertIn("communication timeout", str(caught.exception))
+        self.assertNotEqual(register.get(0x7D), 0x28)
+
     def test_the_checksum_is_the_one_of_the_specification(self):
         self.assertEqual(crc16(bytes.fromhex("11 03 00 6b 00 03")), 0x8776)
 

@@ -82,6 +82,7 @@ std::vector<BenchRow> list_benches(const std::vector<fs::path>& files) {
       row.twins = bench->twins;
     } else {
       row.mistake = bench.error().where + ": " + bench.error().text;
+      row.remedy = bench.error().hint;
     }
     rows.push_back(std::move(row));
   }

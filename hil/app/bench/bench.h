@@ -18,6 +18,7 @@ struct BenchRow {
   std::string motor, reference, board;  ///< adapters
   bool twins = false;
   std::string mistake;  ///< text of what is wrong with the file; "" = it reads
+  std::string remedy;   ///< how to mend it
 };
 /// Files of the given folders and the ones beside the program.
 std::vector<BenchRow> list_benches(const std::vector<std::filesystem::path>& files);

@@ -1,8 +1,11 @@
 #include "hil/app/recording/record.h"
 
 #include <fmt/format.h>
+#include <signal.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <charconv>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <tuple>
@@ -61,6 +64,20 @@ Recorded recorded_of(const fs::path& list, const std::vector<ProfileToRecord>& p
   return out;
 }
 
+/// Files of ours that a killed run has half written: NAME.partPID of no process that lives.
+void remove_halves(const fs::path& folder) {
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+    const std::string name = entry.path().filename().string();
+    const std::size_t at = name.rfind(".part");
+    if (at == std::string::npos || !(name.substr(0, at) == "campaign.json" || (name.starts_with("r") && name.substr(0, at).ends_with(".csv")))) continue;
+    pid_t pid = 0;
+    const char *first = name.data() + at + 5, *last = name.data() + name.size();
+    if (const auto read = std::from_chars(first, last, pid); read.ptr != last || pid <= 1 || ::kill(pid, 0) == 0 || errno != ESRCH) continue;
+    fs::remove(entry.path(), ignored);
+  }
+}
+
 }  // namespace
 
 Result<RecordResult> record(const RecordRequest& request, const RecordingProgress& progress,
@@ -90,6 +107,8 @@ Result<RecordResult> record(const RecordRequest& request, const RecordingProgres
   const std::vector<ProfileToRecord> all = profiles;
   const std::size_t planned = all.size();
   RecordResult out;
+  if (request.go_on && !fs::exists(list, error))
+    return fail(ErrorCode::usage, "there is no campaign to go on with", request.output.string(), "check the name of the folder; without --continue a campaign begins there");
   if (fs::exists(list, error)) {
     const Recorded there = recorded_of(list, profiles, request.bench);
     out.were_there = there.records;
@@ -99,6 +118,7 @@ Result<RecordResult> record(const RecordRequest& request, const RecordingProgres
     if (!request.go_on || out.were_there == planned)
       return fail(ErrorCode::usage, fmt::format("there is a campaign already, with {} of the {} records", out.were_there, planned), request.output.string(),
                   out.were_there == planned ? "choose another folder with -o" : "add --continue to record the others, or choose another folder with -o");
+    remove_halves(request.output);
     profiles.erase(profiles.begin(), profiles.begin() + static_cast<std::ptrdiff_t>(out.were_there));
   }
   RecordingBench bench = request.bench;

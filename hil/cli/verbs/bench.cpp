@@ -40,7 +40,8 @@ Result<int> list(const Invocation& in) {
         row.mistake.empty()
             ? fmt::format("{:<24} {}  {}\n{:24} {} + {} + {}", row.file, row.twins ? "twins" : "real ",
                           row.doc, "", row.motor, row.reference, row.board)
-            : fmt::format("{:<24} {}", row.file, in.console().paint(Paint::fail, row.mistake)));
+            : fmt::format("{:<24} {}{}", row.file, in.console().paint(Paint::fail, row.mistake),
+                          row.remedy.empty() ? "" : fmt::format("\n{:24} help: {}", "", row.remedy)));
     document.push_back({{"file", row.file},
                         {"name", row.name},
                         {"id", row.id},
@@ -49,7 +50,8 @@ Result<int> list(const Invocation& in) {
                         {"motor", row.motor},
                         {"reference", row.reference},
                         {"board", row.board},
-                        {"mistake", row.mistake}});
+                        {"mistake", row.mistake},
+                        {"remedy", row.remedy}});
   }
   in.console().print_json(Json({{"format", 1}, {"benches", document}}).dump(2));
   in.console().next(line_after_list(benches));

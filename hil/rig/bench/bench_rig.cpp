@@ -224,8 +224,8 @@ class BenchRig final : public Rig, public Dut {
 
   Result<void> look() {
     BenchWorld& world = session_->world();
+    FORCEGATE_CHECK_OK(session_->beat());
     FORCEGATE_TRY(const MotorState state, session_->motor().read());
-    session_->beat();
     theta_rad_ = state.theta_rad;
     turns_.see(theta_rad_);
     rows_.take(state);

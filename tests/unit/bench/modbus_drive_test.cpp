@@ -143,6 +143,64 @@ void stop_by_silence(TwinBench& b) {
   ASSERT_TRUE(state->fault);
 }
 
+/// The wheel turns at 2 rad/s until an error; with what the drive is told after it.
+Error error_while_turning(TwinBench& b) {
+  for (int i = 0; i < 60; ++i) {
+    if (const auto told = b.session->motor().command_velocity(2.0); !told) return told.error();
+    EXPECT_TRUE(b.advance(0.01));
+    if (const auto state = b.session->motor().read(); !state) return state.error();
+  }
+  ADD_FAILURE() << "nothing was seen";
+  return {};
+}
+
+TEST(ModbusDrive, ThatBeganAnewIsNotStartedWithoutItsTimeout) {
+  for (const char* file : {"twin.toml", "twin_rtu.toml"}) {
+    TwinBench b(file);
+    b.run_up();
+    b.say("fault motor reset 0.3 1e9 1 0");
+    const Error seen = error_while_turning(b);
+    EXPECT_EQ(seen.code, ErrorCode::safety);
+    EXPECT_NE(seen.text.find("lost its communication timeout"), std::string::npos) << seen.to_text();
+    EXPECT_TRUE(seen.where.starts_with("motor")) << seen.to_text();
+    EXPECT_EQ(b.status("command_rad_per_s"), 0.0);
+  }
+}
+
+TEST(ModbusDrive, ThatBeganAnewWhileItDidNotAnswerIsFoundOut) {
+  TwinBench b("twin.toml", {{"response_timeout_ms = 1000", "response_timeout_ms = 60"}});
+  b.run_up();
+  b.say("fault motor reset 0.3 1e9 1 0");
+  b.say("fault motor drop 0.29 1e9 1 0");
+  EXPECT_EQ(error_while_turning(b).code, ErrorCode::safety);
+  EXPECT_EQ(b.status("command_rad_per_s"), 0.0);
+}
+
+TEST(ModbusDrive, ThatAnotherHandHasStoppedIsNotStartedAgain) {
+  TwinBench b;
+  b.run_up();
+  TwinBench::ok(b.session->motor().command_velocity(2.0));
+  TwinBench::ok(b.advance(0.05));
+  TwinBench::ok(b.session->motor().read());
+  TwinBench::ok(stop_motor_now(b.session->bench(), {{"attach", b.session->world().guard_option()}}));
+  const Error seen = error_while_turning(b);
+  EXPECT_EQ(seen.code, ErrorCode::device);
+  EXPECT_NE(seen.text.find("nobody told it to"), std::string::npos) << seen.to_text();
+}
+
+TEST(ModbusDrive, ThatIsToldToStopMayStandAndGoOn) {
+  TwinBench b;
+  b.run_up();
+  for (int round = 0; round < 2; ++round) {
+    TwinBench::ok(b.session->motor().command_velocity(2.0));
+    TwinBench::ok(b.advance(0.05));
+    TwinBench::ok(b.session->motor().read());
+    TwinBench::ok(b.session->motor().stop());
+    TwinBench::ok(b.advance(0.05));
+    TwinBench::ok(b.session->motor().read());
+  }
+}
+
 TEST(ModbusDrive, ForgetsItsFaultStoppedAndSwitchedOff) {
   TwinBench b;
   stop_by_silence(b);

@@ -173,6 +173,25 @@ TEST_P(ProgramFault, OfAMotorNeverShowsAWrongAngleAndItIsStopped) {
   unsetenv("SCRIPTED_STOP");
 }
 
+TEST(ProgramAdapter, ADriveThatStopsRunningUntoldIsAnError) {
+  for (const bool told : {true, false}) {
+    WallWorld world;
+    const auto motor = make_device<MotorKind>("motor", "begins_anew", world);
+    ASSERT_TRUE(motor->open());
+    ASSERT_TRUE(motor->arm());
+    if (told) {
+      ASSERT_TRUE(motor->command_velocity(1.0));
+    }
+    ASSERT_TRUE(motor->read());
+    ASSERT_TRUE(motor->read());
+    const auto state = motor->read();
+    EXPECT_EQ(state.has_value(), !told);
+    if (!state) {
+      EXPECT_NE(state.error().text.find("nobody told it to"), std::string::npos) << state.error().to_text();
+    }
+  }
+}
+
 TEST(ProgramAdapter, OneThatCannotBeStartedIsNamed) {
   WallWorld world;
   auto table = parse_config("command = [\"/no/such/program\"]\nserial = \"B\"\n", "bench.toml");

@@ -7,6 +7,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <csignal>
 #include <cstdlib>
 #include <thread>
 
@@ -163,6 +164,34 @@ TEST_F(Served, TwoRunsCannotHaveOneBench) {
   EXPECT_FALSE(lease_holder(bench_->id)->has_value());
   wait_until_still();
   EXPECT_TRUE((*second)->open());
+}
+
+std::atomic<int> g_broken_pipes{0};
+
+TEST(ParkGuard, ThatHasStoppedTheMotorEndsNobodyByASignal) {
+  const auto before = std::signal(SIGPIPE, [](int) { ++g_broken_pipes; });
+  ParkGuard guard;
+  ASSERT_TRUE(guard.start([] {}, 0.02));
+  EXPECT_TRUE(guard.beat());
+  siginfo_t left{};
+  ASSERT_EQ(waitid(P_PID, static_cast<id_t>(guard.id()), &left, WEXITED | WNOWAIT), 0);
+  EXPECT_FALSE(guard.beat());
+  guard.dismiss();
+  std::signal(SIGPIPE, before);
+  EXPECT_EQ(g_broken_pipes, 0);
+}
+
+TEST(ParkGuard, ThatIsGoneEndsTheMotionOfAHarnessThatWasHeldUp) {
+  test::TwinBench b("twin.toml", {{"clock = \"virtual\"", "clock = \"paced\""}, {"drive_timeout_ms = 200", "drive_timeout_ms = 5000"}});
+  b.run_up();
+  test::TwinBench::ok(b.session->motor().command_velocity(0.1));
+  test::TwinBench::ok(b.session->beat());
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (b.status_text("stop_cause") != "control-word" && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));  // until the guard has left
+  const auto beaten = b.session->beat();
+  ASSERT_FALSE(beaten);
+  EXPECT_NE(beaten.error().text.find("held up"), std::string::npos) << beaten.error().to_text();
 }
 
 TEST(RealBench, DoesNotMoveWithoutItsOption) {

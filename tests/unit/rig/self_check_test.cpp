@@ -79,6 +79,26 @@ TEST(SelfCheck, blames_the_reference_for_saturation) {
   EXPECT_EQ(unsound(rig), "rig_reference_valid");
 }
 
+TEST(SelfCheck, does_not_blame_the_reference_for_readings_that_a_late_harness_did_not_fetch) {
+  const auto blamed = [](const char* late_share, std::uint16_t status) {
+    testing::FakeRig rig;
+    rig.change_info().details[kLateTickShare] = late_share;
+    rig.spoil = [status](std::size_t row, double t_s, RigBlock& b) {
+      if (t_s >= 10.0 && t_s < 10.2) b.status[row] |= status;
+    };
+    for (const Check& c : checks_of(rig))
+      if (c.id == "rig_reference_valid") {
+        EXPECT_EQ(c.verdict, Verdict::rig_error);
+        EXPECT_EQ(c.blame == Blame::rig, c.evidence.find("harness's own ticks") != std::string::npos) << c.evidence;
+        return c.blame;
+      }
+    return Blame::none;
+  };
+  EXPECT_EQ(blamed("0.010000", kRigReferenceFault), Blame::rig);
+  EXPECT_EQ(blamed("0.001000", kRigReferenceFault), Blame::reference) << "more is missing than the harness was late";
+  EXPECT_EQ(blamed("0.010000", kRigReferenceSaturated), Blame::reference) << "an overload is no lateness";
+}
+
 TEST(SelfCheck, counts_a_row_without_a_reading_once_whatever_says_so) {
   testing::FakeRig rig;
   std::size_t spoiled = 0;
