@@ -85,6 +85,26 @@ bool fits_exchanged(const CaseRecord& record) {
   return departure(c.offset_N + c.gain_N_per_V * record.early_ati_N, code_V, kGivenFits) <= 1.0;
 }
 
+// Of a divider or another range nobody told of: by how much the sensor's volts are too small, as level and first swing say alike.
+std::optional<double> factor_that_fits(const CaseRecord& record) {
+  constexpr double kAlike = 0.05, kWorthTelling = 0.1;
+  const auto swing = first_swing(record);
+  const double of_volts_N = record.early_raw_N - record.calibration.offset_N;
+  if (!swing || !(of_volts_N > 0.0) || !(swing->raw_N > 0.0)) return std::nullopt;
+  const double of_level = (record.early_ati_N - record.calibration.offset_N) / of_volts_N, of_swing = swing->ati_N / swing->raw_N;
+  if (!(std::fabs(of_level / of_swing - 1.0) < kAlike) || std::fabs(of_level - 1.0) < kWorthTelling) return std::nullopt;
+  return of_level;
+}
+
+// What would make the recording fit: with an offset of nearly nothing both may.
+std::string would_fit(const CaseRecord& record) {
+  std::string out;
+  const auto factor = record.calibration.level == CalibrationLevel::nominal ? std::nullopt : factor_that_fits(record);  // nominal values are a factor off anyway
+  if (factor) out = fmt::format("; the sensor's volts times {:.2g} would fit: a divider, or another range?", *factor);
+  if (fits_exchanged(record)) out += fmt::format("; with the columns of sensor and ATI exchanged it would fit{}", out.empty() ? "" : " too");
+  return out;
+}
+
 // A bench calibrates in the run or is told; nominal values of the type are meant to be wrong there, and the plan says so.
 // A recording is judged by what was given, whatever that is.
 bool to_be_held_against(const CaseRecord& record) {
@@ -106,8 +126,8 @@ std::optional<Check> calibration_fits(const CaseRecord& record) {
                      Blame::calibration, std::move(evidence));
   if (c.verdict == Verdict::pass || !record.calibration_given) return c;
   c.verdict = Verdict::inconclusive;  // playing it again with the same file gives the same
-  if (!record.rig.can_move && fits_exchanged(record))
-    c.evidence += "; with the columns of sensor and ATI exchanged it would fit";
+  const std::string fits = record.rig.can_move ? std::string() : would_fit(record);
+  if (!fits.empty()) c.evidence += fits;
   else if (!record.rig.can_move && record.calibration.level == CalibrationLevel::nominal)
     c.evidence += "; no calibration was given: --cal FILE (forcegate bench calibrate)";
   return c;

@@ -72,6 +72,17 @@ TEST(Recording, columns_that_are_exchanged_are_named) {
   EXPECT_NE(c.evidence.find("exchanged"), std::string::npos) << c.evidence;
 }
 
+TEST(Recording, a_divider_that_nobody_told_of_is_a_factor) {
+  for (const double share : {0.5, 0.6}) {
+    Recording s;
+    s.job.calibration.level = CalibrationLevel::statical;
+    s.written = [share](double, double&, double& volts) { volts *= share; };
+    const Check c = s.spoiled_by();
+    EXPECT_EQ(c.id, "rig_calibration_fits");
+    EXPECT_NE(c.evidence.find(share == 0.5 ? "the sensor's volts times 2 would fit" : "the sensor's volts times 1.7 would fit"), std::string::npos) << c.evidence;
+  }
+}
+
 TEST(Recording, an_amplifier_that_cuts_off_is_the_sensor_channel_s) {
   Recording s;
   s.written = [](double, double&, double& volts) { volts = std::fmin(volts, 5.0); };
