@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
-#include <cmath>
 #include <optional>
 
 #include "hil/base/plain_number.h"
+#include "hil/base/read_number.h"
 #include "hil/base/text.h"
 #include "hil/trace/channels.h"
 #include "hil/trace/columns.h"
@@ -51,16 +50,10 @@ struct Scale {
   double factor = 1.0, zero = 0.0;
 };
 
-std::optional<double> plain_double(std::string_view text) {
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && end == text.data() + text.size() && std::isfinite(value) ? std::optional(value) : std::nullopt;
-}
-
 // "0.0046" or "1/21543"
 std::optional<double> factor_of(std::string_view text) {
   const std::size_t slash = text.find('/');
-  const std::optional<double> above = plain_double(text.substr(0, slash)), below = slash == std::string_view::npos ? 1.0 : plain_double(text.substr(slash + 1));
+  const std::optional<double> above = read_number(text.substr(0, slash)), below = slash == std::string_view::npos ? 1.0 : read_number(text.substr(slash + 1));
   if (!above || !below || *above == 0.0 || *below == 0.0) return std::nullopt;
   return *above / *below;
 }
@@ -71,7 +64,7 @@ std::optional<Scale> scale_of(std::string_view to) {
   if (colon == std::string_view::npos) return Scale{};
   const std::string_view numbers = to.substr(colon + 1);
   const std::size_t second = numbers.find(':');
-  const std::optional<double> factor = factor_of(numbers.substr(0, second)), zero = second == std::string_view::npos ? 0.0 : plain_double(numbers.substr(second + 1));
+  const std::optional<double> factor = factor_of(numbers.substr(0, second)), zero = second == std::string_view::npos ? 0.0 : read_number(numbers.substr(second + 1));
   return factor && zero ? std::optional(Scale{*factor, *zero}) : std::nullopt;
 }
 

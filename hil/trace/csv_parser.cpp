@@ -203,7 +203,7 @@ void CsvParser::read_day(std::size_t c, CsvCell kind) {
 }
 
 void CsvParser::read_word(std::size_t c, CsvCell kind) {
-  constexpr std::size_t kMostWords = 64, kLongest = 40;
+  constexpr std::size_t kLongest = 40;
   TextColumn& column = text_[c];
   if (column.word_of_row.size() != table_.rows()) return;  // there were too many
   const std::string word = kind == CsvCell::missing ? std::string() : readable(unquoted(cells_[c]), kLongest);

@@ -18,13 +18,16 @@ struct CsvColumn {
   std::size_t missing = 0;    ///< empty cells, "nan", "NA", "null", infinities
 };
 
+/// Different cells of a column of text that are kept; of more it is a remark.
+inline constexpr std::size_t kMostWords = 64;
+
 /// A column whose first cell is no number.
 struct TextColumn {
   std::string header, cell;  ///< cell: its first 40 bytes
   std::string hint;          ///< how to make it a number
   std::uint64_t line = 0, position = 0;  ///< of that cell; position: its first byte in the line, from 1
   std::vector<double> day_s;  ///< where every cell is a date, or empty: the beginning of the day, seconds since 1970; NaN = missing
-  std::vector<std::string> words;        ///< the different cells, "" for a missing one; empty where they are more than 64
+  std::vector<std::string> words;        ///< the different cells, "" for a missing one; empty where they are more than kMostWords
   std::vector<std::uint8_t> word_of_row;  ///< index into `words`
 };
 

@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
 #include <vector>
 
+#include "hil/base/read_number.h"
 #include "hil/base/text.h"
 
 namespace forcegate {
@@ -17,10 +17,8 @@ std::optional<double> ohms(std::string_view text) {
     factor = text.back() == 'k' ? 1e3 : 1e6;
     text.remove_suffix(1);
   }
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
-  return factor * value;
+  const std::optional<double> value = read_number(text);
+  return value ? std::optional(factor * *value) : std::nullopt;
 }
 
 }  // namespace

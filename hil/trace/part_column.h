@@ -13,7 +13,7 @@
 
 namespace forcegate {
 
-inline constexpr std::size_t kMostParts = 64;
+inline constexpr std::size_t kMostParts = kMostWords;
 
 struct PartColumn {
   std::string header;

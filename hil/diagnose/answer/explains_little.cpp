@@ -79,12 +79,14 @@ bool is_all_that_is_claimed(const Selection& selection, const std::vector<Findin
          std::ranges::none_of(selection.chosen, [](const ChosenEffect& c) { return c.between; });
 }
 
+bool is_claim_of(const ChosenEffect& chosen, const Finding& f) { return f.effect == chosen.kind->name && !f.of_samples() && f.claimed(); }
+
 // True when there is one.
 bool withdraw_all(const Selection& selection, std::vector<Finding>& findings) {
   bool out = false;
   for (const ChosenEffect& c : selection.chosen)
     for (Finding& f : findings)
-      if (f.effect == c.kind->name && !f.of_samples() && f.claimed()) out |= f.limit(kWithdrawn, "it leaves much of the error, well above the noise");
+      if (is_claim_of(c, f)) out |= f.limit(kWithdrawn, "it leaves much of the error, well above the noise");
   return out;
 }
 
@@ -108,16 +110,14 @@ bool withdraw_what_explains_little(const ResidualChannel& channel, const Selecti
   const double of_family = named ? kBesideRaw : kMostOfFamily;
   if (!(selection.excess_after > of_family * of_family * selection.excess_before)) return false;
   const auto of_course = [&](const ChosenEffect& c) { return !c.between && (leaves_most || (remains && c.kind->traits.any_course && !rough)); };
-  const auto claimed = [](const Finding& f) { return !f.of_samples() && f.claimed(); };
-  const auto finding_of = [&](const ChosenEffect& c, const Finding& f) { return f.effect == c.kind->name && claimed(f); };
   const bool withdrawn = std::ranges::any_of(selection.chosen, [&](const ChosenEffect& c) {
-    return of_course(c) && std::ranges::any_of(findings, [&](const Finding& f) { return finding_of(c, f); });
+    return of_course(c) && std::ranges::any_of(findings, [&](const Finding& f) { return is_claim_of(c, f); });
   });
   if (!withdrawn) return false;
   // what was chosen beside a form that is wrong was chosen by what that form leaves
   for (const ChosenEffect& c : selection.chosen)
     for (Finding& f : findings)
-      if (!c.between && finding_of(c, f)) {
+      if (!c.between && is_claim_of(c, f)) {
         f.limit(kWithdrawn, of_course(c) ? "it leaves too much of the error, far above the noise"
                                          : "what stands beside it leaves too much of the error, far above the noise");
       }
