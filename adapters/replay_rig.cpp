@@ -1,9 +1,7 @@
 // Rig "replay": a recording takes the place of the bench. Recorded sensor voltage becomes ADC codes,
 //   code = round(U / v_range_V * (2^adc_bits - 1)), clamped (recorded counts are used as they are),
-// and the recorded ATI force is the reference. The firmware expects equidistant samples: a clock whose regular steps
-// keep within 1 % of the nominal step is used row by row; one that jitters more is sampled at the nominal rate with
-// the latest row held (zero-order hold) and a note; one without a nominal rate is refused. Gaps are filled with the
-// held row and marked as lost samples. Time starts at 0.
+// and the recorded ATI force is the reference. The firmware expects equidistant samples (hil/trace/equidistant.h); lost
+// ones are marked. Time starts at 0.
 
 #include <fmt/format.h>
 
@@ -18,6 +16,7 @@
 #include "hil/base/text.h"
 #include "hil/interface/rig.h"
 #include "hil/trace/column_map.h"
+#include "hil/trace/equidistant.h"
 #include "hil/trace/missing_count.h"
 
 namespace forcegate {
@@ -59,87 +58,6 @@ Result<Options> read_calibration(const std::string& path) {
                 "it is TOML like gain_N_per_V = 0.5");
   }
   return out;
-}
-
-constexpr double kLongestGap_samples = 1e7;  // 2.8 h at 1 kHz, longer than records last
-
-/// One row of the equidistant grid: which row of the record it shows, and whether that one is only held.
-struct GridRow {
-  std::uint32_t source = 0;
-  bool lost = false;
-};
-
-struct Grid {
-  double rate_Hz = 0.0;
-  bool held = false;  ///< resampled by zero-order hold
-  std::size_t lost = 0;
-  std::vector<GridRow> rows;
-};
-
-bool keeps_step(const TimeBase& base, double step_s) {
-  std::size_t gap = 0;
-  double deviation = 0.0;
-  std::size_t n = 0;
-  for (std::size_t i = 1; i < base.t_s.size(); ++i) {
-    if (gap < base.gaps.size() && base.gaps[gap].index == i) {
-      ++gap;
-      continue;
-    }
-    const double difference = std::fabs(base.t_s[i] - base.t_s[i - 1] - step_s);
-    if (difference > 0.5 * step_s) return false;
-    deviation += difference;
-    ++n;
-  }
-  return n == 0 || deviation / static_cast<double>(n) <= 0.01 * step_s;
-}
-
-Result<Grid> make_grid(const TimeBase& base, const std::string& path) {
-  const auto& t = base.t_s;
-  double rate = base.nominal_rate_Hz;
-  if (t.size() < 2)
-    return fail(ErrorCode::config, "the record has only " + std::to_string(t.size()) + (t.size() == 1 ? " sample" : " samples"), path, "record some seconds at least");
-  if (rate <= 0.0)
-    return fail(ErrorCode::config, "the record has no sample rate: its clock is not uniform", path,
-                "resample it to the rate of the firmware first");
-  if (std::fabs(rate - std::round(rate)) < 1e-3 * rate && std::round(rate) > 0.0) rate = std::round(rate);
-  const double step = 1.0 / rate;
-  const double samples = (t.back() - t.front()) * rate + 1.0;
-  // Every row of a gap is held in memory: one wild time would ask for all that there is.
-  for (std::size_t i = 1; i < t.size(); ++i)
-    if ((t[i] - t[i - 1]) * rate > kLongestGap_samples)
-      return fail(ErrorCode::config,
-                  fmt::format("a gap of {:.6g} s before sample {} (t_s = {}): more than {:.0e} lost samples are no loss", t[i] - t[i - 1], i + 1,
-                              shortest(t[i]), kLongestGap_samples),
-                  path, "correct that time, or cut the record there");
-  if (samples > 4e9)
-    return fail(ErrorCode::config, "the record is too long to be replayed: more than 4e9 samples", path,
-                "cut it into parts");
-  Grid grid;
-  grid.rate_Hz = rate;
-  if (keeps_step(base, step)) {
-    std::size_t gap = 0;
-    for (std::size_t i = 0; i < t.size(); ++i) {
-      if (gap < base.gaps.size() && base.gaps[gap].index == i) {
-        const auto missing = std::llround((t[i] - t[i - 1]) * rate) - 1;
-        for (long long k = 0; k < missing; ++k)
-          grid.rows.push_back({static_cast<std::uint32_t>(i - 1), true});
-        ++gap;
-      }
-      grid.rows.push_back({static_cast<std::uint32_t>(i), false});
-    }
-  } else {
-    grid.held = true;
-    std::size_t row = 0;
-    const auto n = static_cast<std::size_t>(samples + 1e-6);
-    for (std::size_t k = 0; k < n; ++k) {
-      const double now = t.front() + static_cast<double>(k) * step;
-      while (row + 1 < t.size() && t[row + 1] <= now + 1e-9) ++row;
-      grid.rows.push_back({static_cast<std::uint32_t>(row), now - t[row] > 1.5 * step});
-    }
-  }
-  grid.lost = static_cast<std::size_t>(
-      std::count_if(grid.rows.begin(), grid.rows.end(), [](const GridRow& r) { return r.lost; }));
-  return grid;
 }
 
 class ReplayRig : public Rig {
@@ -232,7 +150,7 @@ class ReplayRig : public Rig {
     if (!force)
       return fail(ErrorCode::config, "the record has no column of the reference force", path,
                   "name it F_ref_N, or map a column to that name: " + column_map_advice(trace, "F_ref", "N"));
-    FORCEGATE_TRY(grid_, make_grid(trace.time_bases[force->time_base], path));
+    FORCEGATE_TRY(grid_, equidistant_grid(trace.time_bases[force->time_base], path));
     FORCEGATE_CHECK_OK(load_codes(trace, *force, path, file.notes));
     force_N_.assign(force->value.begin(), force->value.end());
     for (const auto& [name, column] : {std::pair{"F_cmd", &setpoint_N_}, std::pair{"theta", &theta_rad_}})
@@ -256,9 +174,11 @@ class ReplayRig : public Rig {
     info_.details["record"] = path;
     info_.details["record_sha256"] = digest;
     info_.details["duration_s"] = shortest(static_cast<double>(grid_.rows.size()) / grid_.rate_Hz);
-    if (grid_.held)
-      file.notes.push_back("the clock jitters by more than 1 %: sampled at " + shortest(grid_.rate_Hz) +
-                           " Hz, the latest row held");
+    if (grid_.kind == EquidistantGrid::Kind::held)
+      file.notes.push_back("the clock jitters by more than 1 %: sampled at " + shortest(grid_.rate_Hz) + " Hz, the latest row held");
+    if (grid_.kind == EquidistantGrid::Kind::on_a_line)
+      file.notes.push_back(fmt::format("the stamps scatter by up to {:.2g} ms about an even clock of {} Hz, which is taken for when the rows were sampled", 1e3 * grid_.scatter_s,
+                                       shortest(grid_.rate_Hz)));
     if (grid_.lost > 0)
       file.notes.push_back(std::to_string(grid_.lost) + " samples were lost in gaps of the record");
     if (no_reference > 0)
@@ -353,7 +273,7 @@ class ReplayRig : public Rig {
   }
 
   RigInfo info_;
-  Grid grid_;
+  EquidistantGrid grid_;
   std::vector<std::uint16_t> adc_, status_;
   std::vector<float> force_N_, setpoint_N_, theta_rad_;
   std::size_t at_ = 0;

@@ -133,8 +133,12 @@ Result<std::unique_ptr<Stimulus>> make_stimulus(StimulusSpec spec) {
 
 Unexpected wrong_rate(double image_Hz, double session_Hz, const std::string& where) {
   if (!(image_Hz > 0.0)) return fail(ErrorCode::firmware, "the image announces a rate of " + shortest(image_Hz) + " Hz", where, "mend what it announces");
+  const auto a_thousand = [](double ratio) { return ratio > 999.0 && ratio < 1001.0; };
+  const std::string unit = a_thousand(image_Hz / session_Hz)   ? "where the clock of the recording counts milliseconds: --map COLUMN=t_ms; else "
+                           : a_thousand(session_Hz / image_Hz) ? "where the clock of the recording, read as milliseconds, counts seconds: --map COLUMN=t_s; else "
+                                                               : "";
   return fail(ErrorCode::config, "the image runs at " + shortest(image_Hz) + " Hz, what it is to follow at " + shortest(session_Hz) + " Hz", where,
-              "play or record at " + shortest(image_Hz) + " Hz (forcegate record --rate " + shortest(image_Hz) + "), or build the image for " +
+              unit + "play or record at " + shortest(image_Hz) + " Hz (forcegate record --rate " + shortest(image_Hz) + "), or build the image for " +
                   shortest(session_Hz) + " Hz");
 }
 

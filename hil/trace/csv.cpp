@@ -248,13 +248,8 @@ Result<TraceFile> trace_of_table(CsvTable table, const std::string& where, const
   Clock clock;
   if (clock_column < table.columns.size()) {
     ClockSource source{where, table.columns[clock_column].header, {}, options.assumed_rate_Hz, table.columns[clock_column].dates, {}, {}};
-    source.same_row = [&](std::size_t a, std::size_t b) {
-      return std::ranges::all_of(table.columns, [&](const CsvColumn& column) {
-        if (&column == &table.columns[clock_column]) return true;  // its stamps are compared
-        const double x = column.value[a], y = column.value[b];
-        return x == y || (std::isnan(x) && std::isnan(y));
-      });
-    };
+    for (std::size_t c = 0; c < table.columns.size(); ++c)
+      if (c != clock_column) source.columns.push_back(&table.columns[c].value);
     source.changes_at = [&](std::size_t row) { return column_that_changes_at(table, row); };
     if (table.header_line > 0) source.line_of_row = [&](std::size_t row) { return table.line_of_row(row); };
     auto made = make_clock(std::move(table.columns[clock_column].value), source);

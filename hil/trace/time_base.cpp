@@ -103,9 +103,12 @@ std::string without_stamp(const std::vector<double>& stamps_s, const LineOfRow& 
 
 // Rows under one stamp that differ in nothing. A signal at rest repeats itself in packets as well: what changes between the stamps tells whether it would
 // have changed within them.
-bool are_copies(const std::vector<std::size_t>& rows, const std::vector<double>& stamps_s, const SameRow& same_row) {
+bool are_copies(const std::vector<std::size_t>& rows, const std::vector<double>& stamps_s, const OtherColumns& columns) {
   constexpr std::size_t kFewestChanges = 8;
-  if (!same_row) return false;
+  if (columns.empty()) return false;
+  const auto same_row = [&](std::size_t a, std::size_t b) {
+    return std::ranges::all_of(columns, [&](const std::vector<double>* values) { return (*values)[a] == (*values)[b] || (std::isnan((*values)[a]) && std::isnan((*values)[b])); });
+  };
   std::size_t stamps = 0, changes = 0, repeats = 0;
   for (std::size_t i = 1; i < rows.size(); ++i) {
     const bool same = same_row(rows[i - 1], rows[i]);
@@ -118,6 +121,17 @@ bool are_copies(const std::vector<std::size_t>& rows, const std::vector<double>&
     }
   }
   return changes * repeats >= kFewestChanges * stamps && changes >= kFewestChanges;
+}
+
+std::optional<std::vector<double>> spread_bursts(const std::vector<double>& ordered_s, const std::vector<std::size_t>& rows, const ClockSource& source, std::vector<std::string>& notes) {
+  const auto stamps = stamps_of_bursts(ordered_s, rows, source.columns, source.declared_rate_Hz);
+  auto spread = stamps ? spread_packets(*stamps, source.declared_rate_Hz) : std::nullopt;
+  if (!spread) return std::nullopt;
+  std::size_t bursts = 1;
+  for (std::size_t i = 1; i < stamps->size(); ++i) bursts += (*stamps)[i] != (*stamps)[i - 1];
+  notes.push_back("the rows were stamped in bursts of " + std::to_string((stamps->size() + bursts / 2) / bursts) +
+                  ", when they were read and not when they were sampled, for their values run on from one burst to the next: their instants are spread evenly between the bursts");
+  return spread;
 }
 
 // Splitting cannot mend a file that was written from its end.
@@ -229,26 +243,32 @@ Result<Clock> make_clock(std::vector<double> stamps_s, const ClockSource& source
     for (const std::size_t r : rows)
       if (distinct.empty() || stamps_s[r] != stamps_s[distinct.back()]) distinct.push_back(r);
     const std::size_t repeated = rows.size() - distinct.size();
-    if (repeated > 1 && repeated * 100 > rows.size() && are_copies(rows, stamps_s, source.same_row)) {
+    if (repeated > 1 && repeated * 100 > rows.size() && are_copies(rows, stamps_s, source.columns)) {
       clock.notes.push_back(std::to_string(repeated) + " of " + std::to_string(rows.size()) + " rows repeat the row before them, time stamp and every value; a copy is no second sample, and they are dropped");
       rows = std::move(distinct);
       for (const std::size_t r : rows) clock.base.t_s.push_back(stamps_s[r]);
-    } else if (repeated > 1 && repeated * 100 > rows.size()) {
+    } else {
       std::vector<double> ordered;
       for (const std::size_t r : rows) ordered.push_back(stamps_s[r]);
-      std::optional<std::vector<double>> spread = spread_packets(ordered, source.declared_rate_Hz);
-      if (!spread)
-        return fail(ErrorCode::parse, "the clock \"" + source.column + "\" stands still in " + std::to_string(repeated) + " of " + std::to_string(rows.size()) + " rows", where,
-                    "leave it out: --map " + shell_quoted(source.column + "=unused") + " --rate HZ");
-      clock.notes.push_back(std::to_string(repeated) + " of " + std::to_string(rows.size()) +
-                            " rows repeat the time stamp before them, as in packets of " + std::to_string((rows.size() + distinct.size() / 2) / distinct.size()) +
-                            ": their instants are spread evenly between the stamps");
-      clock.base.t_s = std::move(*spread);
-    } else {
-      if (repeated > 0) clock.notes.push_back(times(repeated, "row repeats", "rows repeat") + " a time stamp; dropped");
-      rows = std::move(distinct);
-      for (const std::size_t r : rows) clock.base.t_s.push_back(stamps_s[r]);
+      if (auto spread = spread_bursts(ordered, rows, source, clock.notes)) {
+        clock.base.t_s = std::move(*spread);
+      } else if (repeated > 1 && repeated * 100 > rows.size()) {
+        spread = spread_packets(ordered, source.declared_rate_Hz);
+        if (!spread)
+          return fail(ErrorCode::parse, "the clock \"" + source.column + "\" stands still in " + std::to_string(repeated) + " of " + std::to_string(rows.size()) + " rows", where,
+                      "leave it out: --map " + shell_quoted(source.column + "=unused") + " --rate HZ");
+        clock.notes.push_back(std::to_string(repeated) + " of " + std::to_string(rows.size()) +
+                              " rows repeat the time stamp before them, as in packets of " + std::to_string((rows.size() + distinct.size() / 2) / distinct.size()) +
+                              ": their instants are spread evenly between the stamps");
+        clock.base.t_s = std::move(*spread);
+      } else {
+        if (repeated > 0) clock.notes.push_back(times(repeated, "row repeats", "rows repeat") + " a time stamp; dropped");
+        rows = std::move(distinct);
+        for (const std::size_t r : rows) clock.base.t_s.push_back(stamps_s[r]);
+      }
     }
+  } else if (auto spread = spread_bursts(stamps_s, {}, source, clock.notes)) {
+    clock.base.t_s = std::move(*spread);
   } else {
     clock.base.t_s = std::move(stamps_s);
   }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "hil/base/result.h"
+#include "hil/trace/bursts.h"
 #include "hil/trace/trace.h"
 
 namespace forcegate {
@@ -20,9 +21,6 @@ struct Clock {
 /// Line of the file that a row stands in, for what is said of it.
 using LineOfRow = std::function<std::uint64_t(std::size_t row)>;
 
-/// Whether two rows hold the same values in every column.
-using SameRow = std::function<bool(std::size_t a, std::size_t b)>;
-
 /// Where stamps come from.
 struct ClockSource {
   std::string where;   ///< file
@@ -30,13 +28,14 @@ struct ClockSource {
   LineOfRow line_of_row;  ///< none: the table comes from no text, and rows are counted
   double declared_rate_Hz = 0.0;  ///< 0 = not said
   bool dates = false;  ///< its cells are stamps such as 2024-05-31T10:31:07, which errors then write
-  SameRow same_row;  ///< none: nothing is known of the other columns
+  OtherColumns columns;
   std::function<std::string(std::size_t row)> changes_at;  ///< header of a column with one value before that row and another from it on, or ""
 };
 
 /// Makes strictly increasing instants of the stamps. Rows without a stamp are dropped, rows out of order by at most
 /// 10 steps are sorted, the second of two equal stamps is dropped, all noted; where more than 1 % of the rows repeat a stamp they are spread between
-/// the stamps (packets.h), noted, unless each of them repeats every value too while the values change from stamp to stamp: such rows are copies, and dropped. What a row without a stamp leaves open is a gap, but is not
+/// the stamps (packets.h), noted, unless each of them repeats every value too while the values change from stamp to stamp: such rows are copies, and dropped.
+/// Rows that were stamped when they were read, in bursts, are spread as well (bursts.h), noted. What a row without a stamp leaves open is a gap, but is not
 /// told as one. A clock of day (0 to 86400 s) that falls from its last minute to its first goes on with the next day, noted.
 /// The nominal step is the median, or the mean where the stamps are rounded coarsely. A Gap is a step above 1.5 nominal ones that stands five standard
 /// deviations out of the jitter of the stamps, and that the step before or behind does not make up for. Jitter of 5 to 25 % of a period is noted. When more

@@ -100,13 +100,30 @@ TEST_F(ReplayRig, FillsGapsWithLostSamples) {
   EXPECT_THAT((*rig)->info().details.at("notes"), HasSubstr("10 samples were lost"));
 }
 
-TEST_F(ReplayRig, HoldsTheLatestRowWhenTheClockJitters) {
+TEST_F(ReplayRig, StampsThatScatterAboutAnEvenClockLoseNoRow) {
   std::string text = "t_s,F_ref_N,U_V\n";
-  for (int i = 0; i < 200; ++i) text += shortest(i * 0.01 + (i % 3) * 0.002) + ",1,5\n";
+  std::uint32_t lcg = 1;
+  const auto scatter = [&] { return static_cast<double>((lcg = lcg * 1664525u + 1013904223u) >> 16) / 65536.0 - 0.5; };
+  for (int i = 0; i < 400; ++i) text += shortest((i < 200 ? i : i + 30) * 0.01 + 0.008 * scatter()) + "," + std::to_string(i) + ",5\n";
   auto rig = make({{"record", put("r.csv", text)}});
   ASSERT_TRUE(rig) << rig.error().to_text();
-  EXPECT_THAT((*rig)->info().details.at("notes"), HasSubstr("jitters"));
-  EXPECT_NEAR(static_cast<double>(all(**rig).size()), 200.0, 2.0);
+  EXPECT_THAT((*rig)->info().details.at("notes"), HasSubstr("about an even clock of 100 Hz"));
+  const RigBlock b = all(**rig);
+  ASSERT_EQ(b.size(), 430u);
+  for (std::size_t i = 0; i < 430; ++i) {
+    const bool lost = i >= 200 && i < 230;
+    EXPECT_EQ(b.status[i], lost ? kRigSampleLost : 0) << i;
+    if (!lost) { EXPECT_EQ(b.force_ref_N[i], static_cast<float>(i < 200 ? i : i - 30)); }
+  }
+}
+
+TEST_F(ReplayRig, HoldsTheLatestRowWhenTheRateWanders) {
+  std::string text = "t_s,F_ref_N,U_V\n";
+  for (int i = 0; i < 2000; ++i) text += shortest(i * 0.01 + 0.15 * std::sin(0.01 * i)) + ",1,5\n";
+  auto rig = make({{"record", put("r.csv", text)}});
+  ASSERT_TRUE(rig) << rig.error().to_text();
+  EXPECT_THAT((*rig)->info().details.at("notes"), HasSubstr("the latest row held"));
+  EXPECT_NEAR(static_cast<double>(all(**rig).size()), 2000.0, 2.0);
 }
 
 TEST_F(ReplayRig, RefusesWhatItCannotReplayAndSaysHowToMendIt) {

@@ -231,5 +231,82 @@ TEST(Packets, RowsThatRepeatStampAndValuesAreCopies) {
   EXPECT_THAT(still.notes, Contains(HasSubstr("packets of 2")));
 }
 
+// A converter hands over what it has every 16 ms, and the rows are stamped while they are read.
+struct Buffered {
+  double rate_Hz = 1000.0;
+  std::vector<double> t_s, stamps_s, force_N, output_V;
+};
+
+Buffered read_through_a_buffer(std::size_t n) {
+  Buffered out;
+  Rng rng(7);
+  double late_s = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double t = static_cast<double>(i) / out.rate_Hz;
+    late_s = i % 16 == 0 ? 0.001 * rng.uniform() : late_s + 2e-5 + 1e-4 * rng.uniform();
+    out.t_s.push_back(t);
+    out.stamps_s.push_back(static_cast<double>(i / 16 * 16 + 15) / out.rate_Hz + late_s);
+    out.force_N.push_back(2.0 + std::sin(6.0 * t));
+    out.output_V.push_back(out.force_N.back() + 0.005 * rng.normal());
+  }
+  return out;
+}
+
+std::string table_of(const Buffered& rows, double step_of_stamps_s, const std::vector<double>& stamps_s) {
+  std::string text = "t_s,F_ref_N,U_V\n";
+  for (std::size_t i = 0; i < stamps_s.size(); ++i)
+    text += shortest(std::round(stamps_s[i] / step_of_stamps_s) * step_of_stamps_s) + "," + shortest(rows.force_N[i]) + "," + shortest(rows.output_V[i]) + "\n";
+  return text;
+}
+
+TEST(Bursts, RowsStampedWhenTheyWereReadAreSpread) {
+  const Buffered rows = read_through_a_buffer(4000);
+  for (const double step_s : {1e-6, 1e-3}) {
+    const TraceFile file = read(table_of(rows, step_s, rows.stamps_s));
+    const TimeBase& base = file.trace.time_bases[0];
+    ASSERT_EQ(base.t_s.size(), 4000u);
+    EXPECT_NEAR(base.nominal_rate_Hz, 1000.0, 0.5);
+    EXPECT_TRUE(base.gaps.empty());
+    for (std::size_t i = 1; i < 4000; ++i) EXPECT_NEAR(base.t_s[i] - base.t_s[i - 1], 0.001, 1e-5) << i;
+    EXPECT_THAT(file.notes, Contains(HasSubstr("in bursts of 16")));
+  }
+}
+
+TEST(Bursts, ALoggerThatSamplesInBurstsKeepsItsStamps) {
+  const Buffered rows = read_through_a_buffer(8000);
+  Buffered kept;
+  for (std::size_t i = 0; i < 8000; ++i)
+    if (i % 400 < 100) {
+      kept.t_s.push_back(rows.t_s[i]);
+      kept.force_N.push_back(rows.force_N[i]);
+      kept.output_V.push_back(rows.output_V[i]);
+    }
+  const std::string text = table_of(kept, 1e-6, kept.t_s);
+  EXPECT_EQ(read(text).trace.time_bases[0].gaps.size(), 19u);
+  CsvOptions declared;
+  declared.assumed_rate_Hz = 250.0;
+  EXPECT_THAT(read(text, declared).notes, Contains(HasSubstr("in bursts of 100"))) << "a stated rate decides";
+}
+
+TEST(Bursts, ALoggerThatWritesWhatChangesKeepsItsStamps) {
+  const Buffered rows = read_through_a_buffer(8000);
+  Buffered kept;
+  for (std::size_t i = 0; i < 8000; ++i) {
+    const double force_N = std::round(rows.force_N[i] * 50.0) / 50.0;
+    if (!kept.force_N.empty() && force_N == kept.force_N.back()) continue;
+    kept.t_s.push_back(rows.t_s[i]);
+    kept.force_N.push_back(force_N);
+    kept.output_V.push_back(rows.output_V[i]);
+  }
+  EXPECT_THAT(read(table_of(kept, 1e-6, kept.t_s)).notes, Not(Contains(HasSubstr("bursts"))));
+}
+
+TEST(Bursts, ValuesThatTellNothingLeaveTheStamps) {
+  Buffered rows = read_through_a_buffer(2000);
+  std::ranges::fill(rows.force_N, 1.0);
+  std::ranges::fill(rows.output_V, 2.0);
+  EXPECT_THAT(read(table_of(rows, 1e-6, rows.stamps_s)).notes, Not(Contains(HasSubstr("bursts"))));
+}
+
 }  // namespace
 }  // namespace forcegate
