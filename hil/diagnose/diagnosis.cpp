@@ -50,7 +50,11 @@ std::string beside_none(const Diagnosis& d) {
   if (d.verdict != DiagnosisVerdict::none) return {};
   std::string out;
   const std::vector<const Finding*> suspicions = suspicions_beside_none(d);
-  for (std::size_t k = 0; k < suspicions.size(); ++k) out += (k == 0 ? "" : " and ") + suspicions[k]->effect;
+  for (std::size_t k = 0; k < suspicions.size(); ++k) {
+    out += (k == 0 ? "" : " and ") + suspicions[k]->effect;
+    for (const Finding& rival : d.findings)
+      if (rival.rival_of == suspicions[k]->effect) out += " or " + rival.effect;
+  }
   if (!out.empty()) out += suspicions.size() > 1 ? " are suspected and not claimed" : " is suspected and not claimed";
   std::string records;
   for (std::size_t k = 0; k < std::min(kNamed, d.far_above.size()); ++k)

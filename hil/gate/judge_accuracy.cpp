@@ -100,6 +100,7 @@ void judge_accuracy(const Plan& plan, const PlanCase& planned, const CaseRecord&
                          const std::string& evidence) {
       const bool cancelled = derived && judged && limits.of_rig(record.rig);
       checks.value_check(id, title, value, unit, cancelled ? budget.u_against_derived() : budget.u(), n, judged ? limit : none, evidence + "; " + budget.to_text(unit, cancelled));
+      checks.list.back().check.u_against_derived = budget.u_against_derived();
       checks.list.back().dof = budget.degrees_of_freedom(cancelled ? budget.u_against_derived() : budget.u(), n);
       checks.repeatable(cancelled ? budget.u_of_this_record() : budget.u_systematic());
       checks.explained_by_calibration(std::string_view(unit) == "%" ? 100.0 * misfit : misfit * typical_N);

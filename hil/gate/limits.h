@@ -16,7 +16,7 @@ namespace forcegate {
 
 struct DerivedLimit {
   double p99_upper = 0.0;  ///< value that the quantile 0.99 exceeds with probability 5 %; below n = 299 the largest one
-  double sd = 0.0;         ///< standard deviation of the values, not below the uncertainty of one
+  double sd = 0.0;         ///< standard deviation of the values, not below the uncertainty of one; of few plays of one specimen their sum
   double value = 0.0;      ///< the limit: p99_upper + 2 sd, so that a good record is not refused by chance
   std::string unit;
   std::uint64_t n = 0;

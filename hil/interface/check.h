@@ -48,6 +48,7 @@ struct Check {
   Blame blame = Blame::none;
   bool required = true;
   std::string evidence;  ///< one sentence for a person
+  double u_against_derived = 0.0;  ///< of u, what does not cancel against a limit that was derived on the same rig; not stored
 };
 
 struct Decision {

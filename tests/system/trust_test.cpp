@@ -347,6 +347,8 @@ TEST_F(Trust, repeatability_writes_only_limits_that_the_rig_resolves) {
   EXPECT_THAT(r.out, HasSubstr("%GRR"));
   EXPECT_THAT(read_text(limits), HasSubstr("rig = \"emulated/1 emulated-flexiforce\""));
   EXPECT_TRUE(r.exit_code == 0 || r.exit_code == 3) << r.err;
+  const ProcessResult own = run({"gate", kGood, "--plan", "selfcheck", "--limits", limits, "-o", folder / "own"});
+  EXPECT_EQ(own.exit_code, 0) << "the build that the limits are made of passes them by its uncertainty\n" << own.out;
 }
 
 }  // namespace

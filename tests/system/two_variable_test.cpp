@@ -91,6 +91,21 @@ TEST(TwoVariableFirmware, IsHeldAgainstGoldensAndAnAcceptedBuild) {
   EXPECT_THAT(left.out, HasSubstr("golden"));
 }
 
+TEST(TwoVariableFirmware, AStoredRunUnderOtherWeightsIsNoComparison) {
+  const TemporaryFolder folder;
+  const std::string image = (kFirmware / "two-variable.native.so").string(), quiet = (folder.path() / "quiet").string(), run = (folder.path() / "run").string();
+  const auto gated = [&](const std::string& out, std::vector<std::string> more) {
+    std::vector<std::string> words{"gate", image, "--plan", "capacitance-gate", "--case", "pack0-sensor1", "-o", out};
+    words.insert(words.end(), more.begin(), more.end());
+    return forcegate(words, kHere);
+  };
+  ASSERT_EQ(gated(quiet, {"--rig-option", "noise=off"}).exit_code, 0);
+  const ProcessResult other = gated(run, {"--accepted", quiet});
+  EXPECT_EQ(other.exit_code, 2) << other.out;
+  EXPECT_THAT(other.err, HasSubstr("other options of the rig: noise=off (here none)"));
+  EXPECT_EQ(gated(run, {"--accepted", quiet, "--rig-option", "noise=off"}).exit_code, 0);
+}
+
 TEST(TwoVariableFirmware, OptionsThatMeanNothingForItAreRefusedWithTheReason) {
   const TemporaryFolder folder;
   const std::string image = (kFirmware / "two-variable.native.so").string(),

@@ -109,7 +109,7 @@ Result<RepeatabilityAnswer> repeatability(const RepeatabilityRequest& request, c
                                           const std::atomic<bool>* cancelled) {
   FORCEGATE_TRY(const std::filesystem::path path, find_plan(request.gate.plan));
   FORCEGATE_TRY(const Plan plan, read_plan(path));
-  std::map<std::pair<std::string, std::string>, std::vector<double>> values;
+  std::map<std::pair<std::string, std::string>, std::vector<double>> values, u;
   std::map<std::pair<std::string, std::string>, Check> like;
   RepeatabilityAnswer answer;
   const std::uint64_t first_seed = request.gate.seed.value_or(plan.seed);
@@ -136,6 +136,7 @@ Result<RepeatabilityAnswer> repeatability(const RepeatabilityRequest& request, c
         if (!std::isfinite(check.value))
           return fail(ErrorCode::device, "a record gave no value for " + check.id, c.id);
         values[{name, check.id}].push_back(check.value);
+        u[{name, check.id}].push_back(check.u_against_derived);
         like[{name, check.id}] = check;
       }
     }
@@ -143,7 +144,8 @@ Result<RepeatabilityAnswer> repeatability(const RepeatabilityRequest& request, c
   answer.limits.date = request.date;
   for (const auto& [key, list] : values) {
     const Moments m = moments(list);
-    const DerivedLimit derived = derive_limit(list, m.sd, like[key].unit);
+    // One specimen under one profile repeats better than one of its records is known: a good build must pass by U = 2 u.
+    const DerivedLimit derived = derive_limit(list, m.sd + moments(u[key]).mean, like[key].unit);
     const auto planned = std::find_if(plan.cases.begin(), plan.cases.end(),
                                       [&](const PlanCase& c) { return c.name == key.first; });
     double given = std::nan("");  // limit of the plan

@@ -10,6 +10,7 @@
 #include "hil/app/gate/accepted_build.h"
 #include "hil/app/gate/bundle.h"
 #include "hil/app/gate/gate_jobs.h"
+#include "hil/app/gate/same_conditions.h"
 #include "hil/app/play/weight_session.h"
 #include "hil/base/rng.h"
 #include "hil/base/text.h"
@@ -115,6 +116,7 @@ class WeightGateRun {
     h.seed = m_.plan.study.seed;
     h.rig = rig_of(pack_.bench, request_.rig_options, request_.lane_options);
     h.decision_rule = m_.plan.rule.to_text();
+    state_conditions(request_, h);
     h.notes.push_back(fmt::format(
         "eq. (11) compares with the conductance model of the same {} training loadings; the networks belong to pack {} of seed {}",
         m_.plan.study.training, m_.plan.pack, m_.plan.study.seed));

@@ -94,7 +94,10 @@ const std::vector<Explanation>& explanations() {
        "See: forcegate explain REJECT."},
       {"2", "exit code", "The command line, a plan, a bench file or a data file is wrong.",
        "Follow the help line."},
-      {"3", "exit code", "NO-DECISION.", "See: forcegate explain NO-DECISION."},
+      {"3", "exit code",
+       "NO-DECISION: something required could not be judged, it did not run, its uncertainty reaches over the limit, or too little was played. It is never an accept. "
+       "Other verbs: a limit that the rig cannot resolve, a comparison with open points.",
+       "The first line names the reason and who must act; a retry of the same says the same. More of it: forcegate explain NO-DECISION."},
       {"4", "exit code", "The rig misbehaved.", "Retry; the only code after which that makes sense."},
       {"5", "exit code", "A safety limit parked the rig and the cause is undecided.",
        "A person must look at the bench before anything moves again."},

@@ -45,7 +45,7 @@ std::string sentence(const ChosenEffect& chosen, const ResidualChannel& channel,
     std::snprintf(text, sizeof text,
                   "%s; it accounts for %.3g %s RMS (%.2g %% of the span) and for %.0f %% of the scatter that it acts on; where a record is "
                   "predicted from the others, the mean square error of that falls by %.0f %%",
-                  chosen.kind->summary.c_str(), chosen.effect_rms * channel.scale * unit.factor, unit.name.c_str(), 100.0 * chosen.effect_rms,
+                  chosen.kind->summary.c_str(), f.effect_rms * unit.factor, unit.name.c_str(), 100.0 * f.effect_rms / channel.scale,
                   100.0 * chosen.records.explained, 100.0 * (1.0 - chosen.records.left_out));
     out = text;
     if (f.error_after < f.error_before)
@@ -73,7 +73,9 @@ std::string why_no_claim(const Workspace& w, const ResidualChannel& channel, con
   if (chosen.between && real < kClaim && c.form->name == kUnrecorded) return std::string(row_of(Cap::unrecorded).why);
   if (chosen.between && real < kClaim)
     return fmt::format("{} records say little of what acts between them, and chance alone leaves odds of {:.2g} to 1 against it", w.input.records.size(), (1.0 - real) / real);
-  if (real * chosen.share_of_family < kClaim) return "others fit nearly as well and share the probability";
+  if (real * chosen.share_of_family < kClaim)
+    return std::ranges::any_of(chosen.rivals, [&](const auto& rival) { return rival.second > chosen.share_of_family; }) ? "others fit better and take most of the probability"
+                                                                                                                      : "others fit nearly as well and share the probability";
   return whole < 1.0 ? "what was found leaves most of what the noise does not explain" : "";
 }
 
@@ -92,7 +94,7 @@ void add_findings(const Workspace& w, const ResidualChannel& channel, const Sele
     f.error_before = chosen.error_before;
     f.error_after = chosen.error_after;
     f.of_every_record = chosen.of_every_record && w.judges == JudgedBy::heldout;
-    f.effect_rms = chosen.by_records() || chosen.records.same_strength ? chosen.effect_rms * channel.scale
+    f.effect_rms = chosen.by_records() || chosen.records.same_strength ? effect_rms_between(channel, chosen.fit, chosen.columns) * channel.scale
                                        : std::sqrt(std::max(0.0, f.error_before * f.error_before - f.error_after * f.error_after));
     f.records_improved = chosen.left_out.improved;
     f.records_excited = chosen.left_out.excited;
@@ -122,7 +124,7 @@ void add_findings(const Workspace& w, const ResidualChannel& channel, const Sele
       Finding weak = finding_about(*kind, channel);
       weak.rival_of = chosen.kind->name;
       weak.probability = std::clamp(share * real * whole, 0.0, kNoClaim);
-      weak.evidence = "fits nearly as well as " + chosen.kind->name + "; " + kind->separates;
+      weak.evidence = (share > chosen.share_of_family ? "fits better than " : "fits nearly as well as ") + chosen.kind->name + "; " + kind->separates;
       out.findings.push_back(std::move(weak));
     }
   }

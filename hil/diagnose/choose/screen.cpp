@@ -59,6 +59,10 @@ MixedFit fit_to_the_end(const ResidualChannel& channel, const std::vector<int>& 
   return fit;
 }
 
+namespace {
+constexpr int kLevels = 2;  // the first components of a record: gain, zero
+}
+
 std::vector<const EffectKind*> kinds_of(const ResidualChannel& channel) {
   std::vector<const EffectKind*> out;
   for (const Candidate& c : channel.candidates)
@@ -107,12 +111,29 @@ double effect_rms(const ResidualChannel& channel, const MixedFit& fit, const std
   return std::sqrt(sum / std::max<double>(1.0, static_cast<double>(channel.problem.records.size())));
 }
 
+double effect_rms_between(const ResidualChannel& channel, const MixedFit& fit, const std::vector<int>& columns) {
+  const Eigen::VectorXd c = fit.strengths_of(columns);
+  std::vector<int> levels;
+  for (int z = 0; z < channel.problem.nz; ++z)
+    if (channel.problem.component_of_z[static_cast<std::size_t>(z)] < kLevels) levels.push_back(z);
+  const auto n = static_cast<Eigen::Index>(levels.size());
+  if (n == 0) return effect_rms(channel, fit, columns);
+  Eigen::MatrixXd of_levels = Eigen::MatrixXd::Zero(n, n);
+  Eigen::VectorXd shared = Eigen::VectorXd::Zero(n);
+  for (const RecordGram& record : channel.problem.records) {
+    of_levels += record.gram(levels, levels);
+    for (std::size_t a = 0; a < columns.size(); ++a) shared += c[static_cast<Eigen::Index>(a)] * record.gram(levels, channel.problem.nz + columns[a]);
+  }
+  const double common = shared.dot(of_levels.ldlt().solve(shared)) / std::max<double>(1.0, static_cast<double>(channel.problem.records.size()));
+  const double whole = effect_rms(channel, fit, columns);
+  return std::sqrt(std::max(0.0, whole * whole - common));
+}
+
 namespace {
 
 // Records whose gain and zero run far apart leave a spread so wide that what explains it is not seen, and EM stays there: it begins once more
 // from a spread to which records usually repeat.
 MixedFit from_records_that_repeat(const ResidualChannel& channel, const std::vector<int>& columns, const MixedFit& base, int iterations) {
-  constexpr int kLevels = 2;        // gain, zero
   constexpr double kFar = 10.0;     // of the usual spread
   MixedFit start = base;
   bool far = false;

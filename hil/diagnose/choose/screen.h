@@ -79,5 +79,7 @@ double total_fall(const ResidualChannel& channel, const MixedFit& before, const 
 
 /// RMS over rows of what the columns add, share of the span.
 double effect_rms(const ResidualChannel& channel, const MixedFit& fit, const std::vector<int>& columns);
+/// The same of what one gain and one zero for all records do not take: what differs between records.
+double effect_rms_between(const ResidualChannel& channel, const MixedFit& fit, const std::vector<int>& columns);
 
 }  // namespace forcegate::diagnose
