@@ -6,13 +6,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <optional>
 #include <toml++/toml.h>
 
 #include "hil/base/digest.h"
 #include "hil/base/plain_number.h"
+#include "hil/base/read_number.h"
 #include "hil/base/text.h"
 #include "hil/interface/rig.h"
 #include "hil/trace/column_map.h"
@@ -32,12 +32,9 @@ Unexpected bad_option(const std::string& name, const std::string& value, const c
 Result<double> positive(const Options& options, const char* name, double fallback) {
   const auto it = options.find(name);
   if (it == options.end()) return fallback;
-  double value = 0.0;
-  const char* end = it->second.data() + it->second.size();
-  const auto read = std::from_chars(it->second.data(), end, value);
-  if (read.ec != std::errc() || read.ptr != end || !(value > 0.0) || !std::isfinite(value))
-    return bad_option(name, it->second, "is not a number above 0");
-  return value;
+  const std::optional<double> value = read_number(it->second);
+  if (!value || *value <= 0.0) return bad_option(name, it->second, "is not a number above 0");
+  return *value;
 }
 
 /// Values of the calibration file by key, as text; "" level tables are not expected.

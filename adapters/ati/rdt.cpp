@@ -1,9 +1,9 @@
 #include "adapters/ati/rdt.h"
 
-#include <charconv>
-#include <cmath>
+#include <algorithm>
 #include <optional>
 
+#include "hil/base/read_number.h"
 #include "hil/base/text.h"
 
 namespace forcegate::ati {
@@ -26,12 +26,7 @@ std::optional<std::string> only_element(std::string_view xml, const std::string&
 }
 
 double positive(const std::optional<std::string>& text) {
-  double value = 0.0;
-  if (!text) return 0.0;
-  const auto [end, error] = std::from_chars(text->data(), text->data() + text->size(), value);
-  return error == std::errc{} && end == text->data() + text->size() && std::isfinite(value) && value > 0.0
-             ? value
-             : 0.0;
+  return text ? std::max(0.0, read_number(*text).value_or(0.0)) : 0.0;
 }
 
 }  // namespace

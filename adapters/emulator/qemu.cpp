@@ -1,9 +1,9 @@
 #include "adapters/emulator/qemu.h"
 
 #include <algorithm>
-#include <charconv>
 
 #include "hil/base/read_file.h"
+#include "hil/base/read_number.h"
 #include "hil/base/text.h"
 
 namespace forcegate {
@@ -30,8 +30,8 @@ Result<QemuOptions> Qemu::options(const std::string& lane, const std::map<std::s
     if (key == "qemu") {
       name = text;
     } else if (key == "timeout_s") {
-      const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), timeout_s);
-      if (error != std::errc{} || end != text.data() + text.size() || !(timeout_s > 0.0 && timeout_s <= kLongest_s))
+      timeout_s = read_number(text).value_or(0.0);
+      if (timeout_s <= 0.0 || timeout_s > kLongest_s)
         return fail(ErrorCode::usage, "timeout_s = '" + printable_utf8(text) + "' is no time", "--lane-option", "give seconds above 0, at most " + shortest(kLongest_s));
     } else {
       return fail(ErrorCode::usage, "the " + lane + " lane has no option '" + printable_utf8(key) + "'", "--lane-option",

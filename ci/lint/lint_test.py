@@ -10,6 +10,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
+import explained_checks
 import file_length
 import include_walls
 import link_lists
@@ -168,6 +169,23 @@ class FileLength(unittest.TestCase):
         found = file_length.check(tree.root)
         self.assertEqual(len(found), 1)
         self.assertTrue(found[0].startswith("hil/a.cpp:"))
+
+
+class ExplainedChecks(unittest.TestCase):
+    def found(self, name, line):
+        return explained_checks.check(Tree().put(explained_checks.EXPLAINED, '{"lag", "check", "Distance in time.", kOwn},\n').put(name, "\n" + line + "\n").root)
+
+    def test_a_check_that_nobody_explains_is_refused(self):
+        found = self.found("hil/gate/judge_rate.cpp", 'checks.value_check("rate", "Fastest change", 1.0);')
+        self.assertEqual(len(found), 1)
+        self.assertTrue(found[0].startswith("hil/gate/judge_rate.cpp:2: forcegate explain does not know the check rate"), found)
+        for line in ['check(\n"rate", "Fastest change")', 'j.check = {.id = "rate",', 'c.id = rig ? "lag" : "rate";', 'check("rate", case_id, "Fastest change")']:
+            self.assertEqual(len(self.found("hil/app/gate/rate.cpp", line)), 1, line)
+
+    def test_known_checks_and_other_words_are_left_alone(self):
+        for name, line in [("hil/gate/lag.cpp", 'value_check("lag", "Distance in time", 1.0);'), ("hil/rig/bench.cpp", '{"rate", "Another list"}'),
+                           ("hil/app/gate/bundle.cpp", 'one.id = json["id"];'), ("hil/gate/plan.cpp", 'fail(code, "rate", "plan.toml")')]:
+            self.assertEqual(self.found(name, line), [], line)
 
 
 class ProcessState(unittest.TestCase):

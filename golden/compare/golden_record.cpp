@@ -8,6 +8,7 @@
 #include <limits>
 #include <set>
 
+#include "hil/base/read_number.h"
 #include "hil/base/text.h"
 
 namespace forcegate {
@@ -39,8 +40,9 @@ class Reader {
                 "take the file back as it was blessed, or remove it and bless a run again");
   }
   static bool number(const std::string& word, double& value) {
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    return error == std::errc{} && end == word.data() + word.size() && std::isfinite(value);
+    const std::optional<double> read = read_number(word);
+    value = read.value_or(value);
+    return read.has_value();
   }
   static bool count(const std::string& word, std::size_t& value) {
     double d = 0.0;

@@ -1,6 +1,7 @@
 #include "hil/gate/case_json.h"
 
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <type_traits>
@@ -25,24 +26,24 @@ struct Get {
 };
 
 template <class F, class P>
-void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, Error> {
+constexpr void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, Error> {
   f("code", v.code), f("text", v.text), f("where", v.where), f("hint", v.hint);
 }
 template <class F, class P>
-void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, CaseFailure> {
+constexpr void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, CaseFailure> {
   f("stage", v.stage), f("error", v.error), f("blame", v.blame), f("sample", v.sample);
 }
 template <class F, class P>
-void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, Calibration> {
+constexpr void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, Calibration> {
   f("gain", v.gain_N_per_V), f("offset", v.offset_N), f("bits", v.adc_bits), f("range", v.v_range_V);
   f("b", v.b_scale), f("q", v.q_scale), f("level", v.level), f("id", v.id);
 }
 template <class F, class P>
-void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, StimulusSpec> {
+constexpr void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, StimulusSpec> {
   f("name", v.name), f("numbers", v.numbers), f("lists", v.lists), f("texts", v.texts), f("seed", v.seed);
 }
 template <class F, class P>
-void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, PlanCase> {
+constexpr void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, PlanCase> {
   f("name", v.name), f("title", v.title), f("source", v.source), f("stimulus", v.stimulus), f("loop", v.loop);
   f("lane", v.lane), f("prelude", v.prelude_s);
   f("controller", v.controller), f("checks", v.checks), f("specimens", v.specimens),
@@ -52,20 +53,20 @@ void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, PlanCase>
   f("minima", v.minima_pct), f("limit_source", v.limit_source), f("where", v.where);
 }
 template <class F, class P>
-void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, PlanIdentification> {
+constexpr void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, PlanIdentification> {
   f("stimulus", v.stimulus), f("source", v.source);
 }
 template <class F, class P>
-void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, PlanCalibration> {
+constexpr void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, PlanCalibration> {
   f("level", v.level), f("low", v.sweep_low_N), f("high", v.sweep_high_N), f("sweep_s", v.sweep_s);
   f("sweeps", v.sweeps), f("rest", v.rest_s), f("identification", v.identification);
 }
 template <class F, class P>
-void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, SafetyLimits> {
+constexpr void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, SafetyLimits> {
   f("force", v.force_max_N), f("velocity", v.velocity_max_rad_per_s), f("lost", v.reference_lost_samples);
 }
 template <class F, class P>
-void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, CaseJob> {
+constexpr void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, CaseJob> {
   f("kind", v.kind), f("id", v.id), f("index", v.index), f("rig", v.rig), f("rig_options", v.rig_options);
   f("lane", v.lane), f("lane_options", v.lane_options), f("image", v.image), f("nonce", v.nonce);
   f("planned", v.planned), f("specimen", v.specimen), f("seed", v.seed), f("session", v.session);
@@ -74,47 +75,48 @@ void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, CaseJob> 
   f("faults", v.faults), f("keep", v.keep_path), f("curves", v.curves), f("given", v.calibration_given);
 }
 template <class F, class P>
-void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, RigGeometry> {
+constexpr void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, RigGeometry> {
   f("k", v.spring_N_per_mm), f("e", v.eccentricity_mm), f("preload", v.preload_mm), f("low", v.theta_min_rad);
   f("high", v.theta_max_rad), f("velocity", v.velocity_max_rad_per_s);
 }
 template <class F, class P>
-void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, RigInfo> {
+constexpr void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, RigInfo> {
   f("name", v.name), f("id", v.id), f("version", v.version), f("rate", v.rate_Hz), f("bits", v.adc_bits);
   f("range", v.v_range_V), f("force", v.force_max_N), f("resolution", v.reference_resolution_N);
   f("noise", v.reference_noise_N), f("u_rel", v.reference_u_rel), f("geometry", v.geometry);
   f("can_move", v.can_move), f("emulated", v.emulated), f("details", v.details), f("u_time", v.reference_u_time_s);
+  f("force_rate", v.force_rate_max_N_per_s);
 }
 template <class F, class P>
-void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, DutInfo> {
+constexpr void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, DutInfo> {
   f("major", v.protocol_major), f("minor", v.protocol_minor), f("board", v.board), f("build", v.build_id);
   f("algorithm", v.algorithm_id), f("nonce", v.nonce), f("bits", v.adc_bits), f("rate", v.rate_Hz);
 }
 template <class F, class P>
-void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, DutCounters> {
+constexpr void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, DutCounters> {
   f("samples", v.samples), f("dropped", v.frames_dropped), f("bad", v.frames_bad), f("lost", v.indices_lost);
   f("overruns", v.overruns), f("naks", v.naks);
 }
 template <class F, class P>
-void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, DutResources> {
+constexpr void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, DutResources> {
   f("worst", v.instructions_worst), f("mean", v.instructions_mean), f("worst_at", v.worst_at_s),
       f("late", v.late);
   f("stack", v.stack_bytes), f("ram", v.ram_bytes), f("flash", v.flash_bytes), f("heap", v.heap_growth_bytes);
 }
 template <class F, class P>
-void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, PreludeFacts> {
+constexpr void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, PreludeFacts> {
   f("samples", v.samples), f("nan", v.not_finite), f("largest", v.largest_N), f("known", v.conformance_known);
   f("value", v.conformance), f("limit", v.conformance_limit), f("unit", v.conformance_unit);
   f("source", v.conformance_source), f("evidence", v.conformance_evidence);
 }
 template <class F, class P>
-void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, StimulusFacts> {
+constexpr void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, StimulusFacts> {
   f("mean", v.mean_N), f("amplitude", v.amplitude_N), f("f", v.lowest_frequency_Hz),
       f("start", v.excitation_start_s);
   f("low", v.minimum_N), f("high", v.maximum_N), f("dynamic", v.dynamic);
 }
 template <class F, class P>
-void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, RigObservation> {
+constexpr void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, RigObservation> {
   f("samples", v.samples), f("first", v.first_t_s), f("last", v.last_t_s), f("backward", v.time_not_monotone);
   f("gaps", v.time_gaps), f("worst_step", v.worst_step_s), f("lost", v.lost),
       f("saturated", v.reference_saturated);
@@ -134,40 +136,40 @@ void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, RigObserv
       f("command_step", v.command_step_rad), f("sensor_clipped", v.sensor_clipped_s);
 }
 template <class F, class P>
-void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, SafetyReport> {
+constexpr void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, SafetyReport> {
   f("reason", v.reason), f("t", v.t_s), f("force", v.force_N), f("clipped", v.clipped_commands);
   f("travel", v.travel_samples), f("travel_first", v.travel_first_s);
 }
 template <class F, class P>
-void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, OutputFacts> {
+constexpr void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, OutputFacts> {
   f("nan", v.not_finite), f("first_nan", v.first_not_finite_s), f("min", v.minimum_N), f("max", v.maximum_N);
   f("longest", v.learning_longest_s), f("end", v.learning_end_s), f("held", v.held), f("rail", v.input_rail);
   f("clamped", v.clamped), f("departure", v.departure_N), f("spike", v.spike_N), f("spike_t", v.spike_t_s);
 }
 template <class F, class P>
-void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, HoldFacts> {
+constexpr void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, HoldFacts> {
   f("seconds", v.seconds), f("dut", v.dut_N), f("raw", v.raw_N), f("ati", v.ati_N);
 }
 template <class F, class P>
-void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, CasePair> {
+constexpr void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, CasePair> {
   f("max", v.maximum), f("t", v.t_s), f("s", v.setpoint_N), f("a", v.ati_N), f("d", v.dut_N), f("r", v.raw_N);
 }
 template <class F, class P>
-void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, PlotTrace> {
+constexpr void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, PlotTrace> {
   f("name", v.name), f("unit", v.unit), f("t", v.t_s), f("v", v.value);
 }
 template <class F, class P>
-void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, RecordWindow> {
+constexpr void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, RecordWindow> {
   f("t0", v.t0_s), f("step", v.step_s), f("ati", v.ati_N), f("dut", v.dut_N);
 }
 template <class F, class P>
-void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, DecayFit> {
+constexpr void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, DecayFit> {
   f("valid", v.valid), f("a", v.a_V), f("b", v.b_per_s), f("c", v.c_V), f("u_min", v.u_min_V),
       f("u_a", v.u_a_V);
   f("u_b", v.u_b_per_s), f("u_c", v.u_c_V), f("rmse", v.rmse_V), f("loss", v.loss_pct), f("n", v.n);
 }
 template <class F, class P>
-void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, CaseRecord> {
+constexpr void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, CaseRecord> {
   f("id", v.id), f("index", v.index), f("failure", v.failure), f("rig", v.rig), f("firmware", v.firmware);
   f("resources", v.resources), f("prelude", v.prelude);
   f("link", v.link), f("facts", v.facts), f("duration", v.duration_s), f("samples", v.samples);
@@ -186,11 +188,11 @@ void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, CaseRecor
 }
 
 template <class F, class P>
-void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, DecisionRule> {
+constexpr void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, DecisionRule> {
   f("name", v.name), f("alpha", v.alpha), f("coverage", v.coverage), f("looks", v.looks);
 }
 template <class F, class P>
-void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, PlanLimits> {
+constexpr void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, PlanLimits> {
   f("derived", v.derived), f("goldens", v.goldens), f("learning_s", v.learning_s), f("lag_s", v.lag_s),
       f("output_max_N", v.output_max_N);
   f("hold_pct", v.hold_pct), f("minima_floor_N", v.minima_floor_N), f("increase_pct", v.increase_pct), f("spike_max_N", v.spike_max_N);
@@ -199,12 +201,12 @@ void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, PlanLimit
       f("flash", v.flash_bytes);
 }
 template <class F, class P>
-void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, PlanUncertainty> {
+constexpr void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, PlanUncertainty> {
   f("reference_rel", v.reference_rel), f("alignment_rel", v.alignment_rel);
   f("record_repeat_pct", v.record_repeat_pct);
 }
 template <class F, class P>
-void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, SelfCheckLimits> {
+constexpr void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, SelfCheckLimits> {
   f("zero_N", v.zero_N), f("spring_bias_N", v.spring_bias_N), f("spring_slope", v.spring_slope);
   f("spring_scatter_N", v.spring_scatter_N), f("following_rad", v.following_rad);
   f("reference_lag_s", v.reference_lag_s), f("noise_factor", v.noise_factor);
@@ -215,7 +217,7 @@ void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, SelfCheck
   f("jump_share", v.jump_share);
 }
 template <class F, class P>
-void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, Plan> {
+constexpr void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, Plan> {
   f("name", v.name), f("doc", v.doc), f("sha256", v.sha256), f("seed", v.seed), f("rule", v.rule);
   f("attempts", v.retry.attempts), f("panel", v.panel), f("calibration", v.calibration),
       f("safety", v.safety), f("limits", v.limits);
@@ -234,6 +236,49 @@ template <class T>
 struct IsOptional : std::false_type {};
 template <class T>
 struct IsOptional<std::optional<T>> : std::true_type {};
+
+// A member that its list forgets comes back as its default, and nothing but a number tells: so the members are counted.
+struct Anything {
+  template <class T>
+  operator T() const {
+    std::abort();  // only asked whether it would do
+  }
+};
+template <class T, class... Initializer>
+consteval std::size_t members() {
+  if constexpr (requires { T{Initializer{}..., Anything{}}; })
+    return members<T, Initializer..., Anything>();
+  else
+    return sizeof...(Initializer);
+}
+
+struct Count {
+  std::size_t& n;
+  template <class T>
+  constexpr void operator()(const char*, T&) {
+    ++n;
+  }
+};
+template <class T>
+union Unmade {
+  constexpr Unmade() : nothing() {}
+  constexpr ~Unmade() {}
+  char nothing;
+  T object;
+};
+template <class T>
+Unmade<T> unmade;
+template <class T>
+consteval std::size_t carried() {
+  std::size_t n = 0;
+  fields(Count{n}, unmade<T>.object);
+  return n;
+}
+
+template <class T>
+constexpr std::size_t kStaysBehind = 0;
+template <>
+constexpr std::size_t kStaysBehind<Plan> = 1;  // the path, of the machine that read it
 
 template <class T>
 Json put(const T& value) {
@@ -257,6 +302,7 @@ Json put(const T& value) {
     for (const auto& [name, item] : value) object[name] = put(item);
     return object;
   } else {
+    static_assert(carried<T>() + kStaysBehind<T> == members<T>(), "the list fields() of this type has not all of its members");
     Json object = Json::object();
     fields(Put{object}, value);
     return object;

@@ -6,11 +6,11 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 
 #include "hil/base/read_file.h"
+#include "hil/base/read_number.h"
 #include "hil/base/text.h"
 #include "hil/base/utc_clock.h"
 #include "hil/trace/date_time.h"
@@ -19,14 +19,6 @@ namespace forcegate {
 namespace {
 
 constexpr const char* kHeader = "# forcegate specimen log, format 1";
-
-std::optional<double> number_of(const std::string& text) {
-  double v = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), v);
-  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(v) || v < 0.0)
-    return std::nullopt;
-  return v;
-}
 
 }  // namespace
 
@@ -51,8 +43,8 @@ Result<std::map<std::string, SpecimenHistory>> SpecimenLog::read() const {
     if (words.size() != 4 || (words[1] != "begin" && words[1] != "end"))
       return wrong("is neither a begin nor an end");
     const auto when_s = seconds_of_stamp(words[0]);
-    const auto amount = number_of(words[3]);
-    if (!when_s || !amount) return wrong("has no time or no number");
+    const auto amount = read_number(words[3]);
+    if (!when_s || !amount || *amount < 0.0) return wrong("has no time or no number");
     SpecimenHistory& h = out[words[2]];
     if (words[1] == "begin") {
       ++h.records;

@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <numbers>
 
 #include "hil/base/portable_math.h"
+#include "hil/base/read_number.h"
 #include "hil/base/text.h"
 #include "rigs/emulated/white_noise.h"
 
@@ -125,9 +125,8 @@ Result<std::unique_ptr<WeightBench>> make(const std::map<std::string, std::strin
   DeadWeightOptions options;
   for (const auto& [name, text] : texts) {
     if (name == "rate_Hz") {
-      const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), options.rate_Hz);
-      if (error != std::errc() || end != text.data() + text.size() ||
-          !(options.rate_Hz >= 1000.0 && options.rate_Hz <= 2e6))
+      options.rate_Hz = read_number(text).value_or(0.0);
+      if (options.rate_Hz < 1000.0 || options.rate_Hz > 2e6)
         return fail(ErrorCode::config, "option rate_Hz is a number from 1000 to 2000000");
       continue;
     }

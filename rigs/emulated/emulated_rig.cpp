@@ -1,11 +1,11 @@
 #include "rigs/emulated/emulated_rig.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 
 #include "hil/base/portable_math.h"
+#include "hil/base/read_number.h"
 #include "hil/base/text.h"
 
 namespace forcegate::emulated {
@@ -316,12 +316,11 @@ void EmulatedRig::park() noexcept {
 namespace {
 
 Result<double> number_option(const std::string& name, const std::string& text, double low, double high) {
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size() || !(value >= low && value <= high))
+  const std::optional<double> value = read_number(text);
+  if (!value || *value < low || *value > high)
     return fail(ErrorCode::config, "rig option " + name + " = '" + printable_utf8(text) + "' is no number that the rig can have", "rig emulated",
                 "it is from " + shortest(low) + " to " + shortest(high));
-  return value;
+  return *value;
 }
 
 Result<bool> switch_option(const std::string& name, const std::string& text) {

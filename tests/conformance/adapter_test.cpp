@@ -18,6 +18,10 @@ namespace {
 
 enum class LineKind { dead, silent, garbage, cut };
 
+std::string_view name_of(LineKind kind) {
+  return kind == LineKind::dead ? "dead" : kind == LineKind::silent ? "silent" : kind == LineKind::garbage ? "full of garbage" : "cut";
+}
+
 /// Writes go nowhere; reads give what the kind of the line says.
 class BadLine final : public Transport {
  public:
@@ -105,7 +109,8 @@ void examine(const std::string& device) {
     EXPECT_FALSE(tables.empty()) << "no bench in rigs/ shows how this adapter is used";
     for (const ConfigNode& table : tables) {
       BadWorld world(LineKind::silent);
-      EXPECT_TRUE(kind.make(table, world));
+      const auto sound = kind.make(table, world);
+      EXPECT_TRUE(sound) << sound.error().to_text();
       ConfigNode wrong = table;
       wrong.names.push_back("no_such_key");
       wrong.items.push_back(ConfigNode{});
@@ -119,7 +124,7 @@ void examine(const std::string& device) {
         auto made = kind.make(table, bad);
         ASSERT_TRUE(made);
         const auto opened = (*made)->open();
-        ASSERT_FALSE(opened) << "line " << static_cast<int>(line);
+        ASSERT_FALSE(opened) << "a line that is " << name_of(line) << " opens like a sound one";
         EXPECT_FALSE(opened.error().text.empty());
         if (line != LineKind::dead) {
           EXPECT_TRUE(opened.error().where.starts_with(device)) << opened.error().to_text();

@@ -23,8 +23,12 @@ TEST(Power, EveryBadBuildIsRejectedAndEveryGoodOneAcceptedAndNoneOf59RunsOfTheRe
     ++(m["kind"] == "bad" ? bad : equivalent);
     const bool survives = m["expected"][0] == "nothing";
     EXPECT_TRUE(m["as_expected"].get<bool>() || survives) << m.dump();
-    if (m["kind"] == "good") EXPECT_EQ(m["accepted"], m["runs"]) << m.dump();
-    if (m["kind"] == "bad" && !survives) EXPECT_EQ(m["rejected"], m["runs"]) << m.dump();
+    if (m["kind"] == "good") {
+      EXPECT_EQ(m["accepted"], m["runs"]) << m.dump();
+    }
+    if (m["kind"] == "bad" && !survives) {
+      EXPECT_EQ(m["rejected"], m["runs"]) << m.dump();
+    }
   }
   EXPECT_GE(bad, 60U);
   EXPECT_GE(equivalent, 10U);

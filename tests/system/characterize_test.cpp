@@ -82,7 +82,9 @@ TEST(Characterize, PagesDoNotDependOnHowTheThreadsAreWritten) {
     words.insert(words.end(), threads.begin(), threads.end());
     EXPECT_EQ(forcegate(words).exit_code, 0);
     const std::string page = read_text(folder / "out/sheet-fsr.html");
-    if (!before.empty()) EXPECT_TRUE(page == before) << threads.back();
+    if (!before.empty()) {
+      EXPECT_TRUE(page == before) << threads.back();
+    }
     before = page;
   }
 }

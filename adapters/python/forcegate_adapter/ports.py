@@ -4,8 +4,11 @@ import glob
 import os
 from typing import NamedTuple, Optional
 
-import serial
-from serial.tools import list_ports
+try:
+    import serial
+    from serial.tools import list_ports
+except ModuleNotFoundError:  # the harness shows the last line of a program that ends so
+    raise ModuleNotFoundError("this Python has no pyserial: apt-get install python3-serial and take /usr/bin/python3, or pip install pyserial") from None
 
 from .base import AdapterError
 

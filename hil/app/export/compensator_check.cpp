@@ -1,147 +1,23 @@
 #include "hil/app/export/compensator_check.h"
 
-#include <dlfcn.h>
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <deque>
-#include <fstream>
 #include <memory>
 #include <tuple>
 
+#include "hil/app/export/built_header.h"
 #include "hil/app/export/recorded_output.h"
-#include "hil/base/read_file.h"
 #include "hil/base/text.h"
 #include "hil/model/rows.h"
-
-extern char** environ;
 
 namespace forcegate {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr double kFloorMemory_s = 120.0;
 constexpr double kTrackerStep_s = 0.1;
-
-// low_N: the force itself; floor_N: what a firmware sees of it.
-constexpr const char* kDriver = R"(#include "compensation.h"
-void fg_replay(int n, const float* u_N, const float* shrink, const float* low_N, int low_is_force, const float* T_C, float* F_N) {
-  FgComp c;
-  fg_comp_reset(&c);
-  for (int i = 0; i < n; ++i)
-    F_N[i] = fg_comp_step(&c, u_N[i], shrink[i], low_is_force ? low_N[i] + c.at_floor_N : low_N[i], T_C[i]);
-}
-)";
-using Replay = void (*)(int, const float*, const float*, const float*, int, const float*, float*);
-
-struct TemporaryFolder {
-  fs::path path;   ///< empty: there is none
-  fs::path place;  ///< where it was to be made
-  TemporaryFolder() {
-    std::error_code none;
-    place = fs::temp_directory_path(none);
-    if (none) return;  // `place` is then empty
-    std::string name = (place / "forcegate-check-XXXXXX").string();
-    if (mkdtemp(name.data()) != nullptr) path = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    if (!path.empty()) fs::remove_all(path, ignored);
-  }
-};
-
-class Library {
- public:
-  static Result<std::unique_ptr<Library>> build(const std::string& header) {
-    auto out = std::make_unique<Library>();
-    const fs::path& folder = out->folder_.path;
-    if (folder.empty())
-      return fail(ErrorCode::io, "there is no place to build the header in", out->folder_.place.empty() ? "TMPDIR" : out->folder_.place.string(),
-                  "set TMPDIR to a folder that you may write into, for instance TMPDIR=/tmp");
-    FORCEGATE_CHECK_OK(write(folder / "compensation.h", header));
-    FORCEGATE_CHECK_OK(write(folder / "replay.c", kDriver));
-    const std::string source = (folder / "replay.c").string(), target = (folder / "replay.so").string(),
-                      log = (folder / "log").string();
-    const char* const words[] = {"cc",
-                                 "-std=c11",
-                                 "-O2",
-                                 "-ffp-contract=off",
-                                 "-Wall",
-                                 "-Wextra",
-                                 "-Wno-unused-function",
-                                 "-Werror",
-                                 "-fPIC",
-                                 "-shared",
-                                 source.c_str(),
-                                 "-o",
-                                 target.c_str(),
-                                 nullptr};
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_addopen(&actions, 1, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-    posix_spawn_file_actions_adddup2(&actions, 1, 2);
-    pid_t pid = 0;
-    const int started = posix_spawnp(&pid, "cc", &actions, nullptr, const_cast<char* const*>(words), environ);
-    posix_spawn_file_actions_destroy(&actions);
-    if (started == ENOENT)
-      return fail(ErrorCode::io, "there is no C compiler to build the header with", "cc",
-                  "apt-get install gcc");
-    if (started != 0)
-      return fail(ErrorCode::io, std::string("the C compiler cannot be started: ") + std::strerror(started), "cc",
-                  "try cc --version; is there memory, and may " + folder.string() + " be written to?");
-    int status = 0;
-    while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
-    }
-    if (WIFSIGNALED(status))
-      return fail(ErrorCode::io, fmt::format("signal {} ended the C compiler: {}", WTERMSIG(status), strsignal(WTERMSIG(status))), "cc",
-                  "is there memory, and room in " + folder.string() + "?");
-    if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
-      return fail(ErrorCode::config,
-                  "the exported header does not compile: " + read_file(log).value_or("").substr(0, 600),
-                  "cc");
-    out->handle_ = dlopen(target.c_str(), RTLD_NOW | RTLD_LOCAL);
-    out->replay_ =
-        out->handle_ == nullptr ? nullptr : reinterpret_cast<Replay>(dlsym(out->handle_, "fg_replay"));
-    if (out->replay_ == nullptr) {
-      const char* why = dlerror();
-      return fail(ErrorCode::io, std::string("the built header cannot be loaded: ") + (why != nullptr ? why : "fg_replay is not in it"), target,
-                  "set TMPDIR to a folder on a file system that is not mounted noexec");
-    }
-    return out;
-  }
-  ~Library() {
-    if (handle_ != nullptr) dlclose(handle_);
-  }
-  std::vector<float> run(const std::vector<float>& u, const std::vector<float>& shrink,
-                         const std::vector<float>& low, bool low_is_force,
-                         const std::vector<float>& T) const {
-    std::vector<float> F(u.size());
-    replay_(static_cast<int>(u.size()), u.data(), shrink.data(), low.data(), low_is_force ? 1 : 0, T.data(),
-            F.data());
-    return F;
-  }
-
- private:
-  static Result<void> write(const fs::path& path, std::string_view text) {
-    std::ofstream file(path, std::ios::binary);
-    file << text;
-    file.close();
-    if (file) return {};
-    return fail(ErrorCode::io, "the source cannot be written to build the header", path.string(), "is the disk full? TMPDIR chooses another folder");
-  }
-
-  TemporaryFolder folder_;
-  void* handle_ = nullptr;
-  Replay replay_ = nullptr;
-};
 
 std::vector<double> resample(const RecordInput& r, const std::vector<double>& x, double rate_Hz,
                              std::size_t n) {
@@ -274,109 +150,133 @@ Step step_of(const BenchFacts& bench, const std::string& unit) {
   return out;
 }
 
+double rms_about(std::pair<double, double> line, const std::vector<float>& x, const std::vector<float>& F) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < x.size(); ++i)
+    sum += std::pow(line.first * static_cast<double>(x[i]) + line.second - static_cast<double>(F[i]), 2);
+  return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, x.size())));
+}
+
+// What a record is played with, and against what its answers are held.
+struct Replay {
+  const Model& model;
+  const Compensator& compensator;
+  const BuiltHeader& built;
+  const Campaign& campaign;
+  const CampaignInFrame& in_frame;
+  double rate_Hz, most_s;
+};
+
+struct Replayed {
+  ReplayedRecord item;
+  Thinned at;  ///< instants that were measured
+};
+
+Result<Replayed> replayed(const Replay& with, const RecordInput& rows) {
+  if (with.compensator.needs_temperature && rows.temp_C.empty()) {
+    const auto of = std::ranges::find(with.campaign.records, rows.name, &Record::name);
+    return fail(ErrorCode::config, "the model needs a temperature (" + join(with.compensator.effects, "; ") + "), and this record has none",
+                of != with.campaign.records.end() ? of->place() : rows.name,
+                "replay the header on records with a column temp_C; without --check it is written all the same");
+  }
+  const double rate_Hz = with.rate_Hz, G = with.model.law.gain_N_per_V, F0 = with.model.law.offset_N;
+  RecordInput r = at_rate(with.campaign, rows, rate_Hz, with.most_s);
+  set_decay(r, with.model.law);
+  r.recording = with.in_frame.input().records.front().recording;  // no history: the firmware is switched on where the record begins
+  FORCEGATE_TRY(const std::vector<double> U, model_output_V(with.model, with.in_frame, r));
+  const std::size_t n = r.rows();
+  std::vector<float> u(n), shrink(n), low(n, static_cast<float>(r.F_min_N)), T(n, 0.0f), recorded(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    u[i] = static_cast<float>(G * U[i] + F0);
+    recorded[i] = static_cast<float>(G * r.U_V[i] + F0);
+    shrink[i] = static_cast<float>(r.decay[i]);
+    if (!r.temp_C.empty()) T[i] = static_cast<float>(r.temp_C[i]);
+  }
+  Replayed out;
+  ReplayedRecord& item = out.item;
+  item.record = r.name;
+  const auto judged = static_cast<std::size_t>(std::count(r.ok.begin(), r.ok.end(), std::uint8_t{1}));
+  item.seconds = static_cast<double>(judged) / rate_Hz;
+  item.left_out_s = static_cast<double>(n - judged) / rate_Hz;
+  item.cut_s = std::max(0.0, rows.t_s.back() - rows.t_s.front() - with.most_s);
+  const std::vector<float> inverse = with.built.run(u, shrink, low, true, T);
+  for (std::size_t i = 0; i < n; ++i)
+    if (const double apart = std::fabs(static_cast<double>(inverse[i]) - r.F_N[i]); r.ok[i] != 0 && !std::isnan(item.largest_N) && !(apart <= item.largest_N))
+      item.largest_N = apart, item.largest_at_N = r.F_N[i];
+  if (!std::isfinite(item.largest_N))
+    return fail(ErrorCode::config, "the compensator gives no number", r.name);
+
+  const std::vector<float> floor = tracked_floor(r, recorded, rate_Hz);
+  const std::vector<float> found = with.built.run(recorded, shrink, floor, false, T);
+  const auto every = static_cast<std::size_t>(std::max(1.0, 0.05 * rate_Hz));
+  for (std::size_t i = every; i < n; i += every) {
+    if (r.ok[i] == 0) continue;
+    const double above = static_cast<double>(recorded[i] - floor[i]);
+    out.at.F.push_back(static_cast<float>(r.F_N[i]));
+    out.at.plain.push_back(above > 0.0 ? static_cast<float>(static_cast<double>(floor[i]) + above / static_cast<double>(shrink[i])) : recorded[i]);
+    out.at.compensated.push_back(found[i]);
+    out.at.shrink.push_back(shrink[i]);
+  }
+  return out;
+}
+
+// About the line of all records, as it stands, and about the record's own line.
+void take_errors(const Thinned& at, const Line& plain_line, const Line& compensated_line, ReplayedRecord& item) {
+  item.plain_rms_N = rms_about(plain_line.fit(), at.plain, at.F);
+  item.compensated_rms_N = rms_about(compensated_line.fit(), at.compensated, at.F);
+  item.raw_plain_rms_N = rms_about({1.0, 0.0}, at.plain, at.F);
+  item.raw_compensated_rms_N = rms_about({1.0, 0.0}, at.compensated, at.F);
+  Line own_plain, own_compensated;
+  at.add_to(own_plain, at.plain);
+  at.add_to(own_compensated, at.compensated);
+  item.own_plain_rms_N = rms_about(own_plain.fit(), at.plain, at.F);
+  item.own_compensated_rms_N = rms_about(own_compensated.fit(), at.compensated, at.F);
+}
+
+// Over all records, each weighing the same.
+double rms_of(const std::vector<ReplayedRecord>& records, double ReplayedRecord::*error) {
+  double sum = 0.0;
+  for (const ReplayedRecord& r : records) sum += r.*error * r.*error / static_cast<double>(records.size());
+  return std::sqrt(sum);
+}
+
 }  // namespace
 
 Result<CompensatorCheck> check_compensator(const Model& model, const Compensator& compensator, double rate_Hz,
                                            const Campaign& campaign, double most_s) {
-  FORCEGATE_TRY(const std::unique_ptr<Library> library, Library::build(compensator.header));
+  FORCEGATE_TRY(const std::unique_ptr<BuiltHeader> built, BuiltHeader::build(compensator.header));
   FORCEGATE_TRY(CampaignInput own, make_campaign_input(campaign));
   const CampaignInFrame in_frame(model.frame, std::move(own));
-  const CampaignInput& input = in_frame.input();
   CompensatorCheck out;
   out.compiler = "cc -std=c11 -O2 -ffp-contract=off";
   const Step step = step_of(campaign.bench, model.output_unit);
   out.lsb_N = std::fabs(model.law.gain_N_per_V) * step.size;
   out.assumed = step.assumed;
-  const double G = model.law.gain_N_per_V, F0 = model.law.offset_N;
   std::vector<Thinned> kept;
   Line plain_line, compensated_line;
-  for (const RecordInput& rows : input.records) {
+  for (const RecordInput& rows : in_frame.input().records) {
     if (rows.rows() < 16) continue;
-    if (const auto of = std::ranges::find(campaign.records, rows.name, &Record::name); compensator.needs_temperature && rows.temp_C.empty())
-      return fail(ErrorCode::config, "the model needs a temperature (" + join(compensator.effects, "; ") + "), and this record has none",
-                  of != campaign.records.end() ? of->place() : rows.name,
-                  "replay the header on records with a column temp_C; without --check it is written all the same");
-    RecordInput r = at_rate(campaign, rows, rate_Hz, most_s);
-    set_decay(r, model.law);
-    r.recording =
-        input.records.front().recording;  // no history: the firmware is switched on where the record begins
-    FORCEGATE_TRY(const std::vector<double> U, model_output_V(model, in_frame, r));
-    const std::size_t n = r.rows();
-    std::vector<float> u(n), shrink(n), low(n, static_cast<float>(r.F_min_N)), T(n, 0.0f), recorded(n);
-    for (std::size_t i = 0; i < n; ++i) {
-      u[i] = static_cast<float>(G * U[i] + F0);
-      recorded[i] = static_cast<float>(G * r.U_V[i] + F0);
-      shrink[i] = static_cast<float>(r.decay[i]);
-      if (!r.temp_C.empty()) T[i] = static_cast<float>(r.temp_C[i]);
-    }
-    ReplayedRecord item;
-    item.record = r.name;
-    const auto judged = static_cast<std::size_t>(std::count(r.ok.begin(), r.ok.end(), std::uint8_t{1}));
-    item.seconds = static_cast<double>(judged) / rate_Hz;
-    item.left_out_s = static_cast<double>(n - judged) / rate_Hz;
-    item.cut_s = std::max(0.0, rows.t_s.back() - rows.t_s.front() - most_s);
-    const std::vector<float> inverse = library->run(u, shrink, low, true, T);
-    for (std::size_t i = 0; i < n; ++i)
-      if (const double apart = std::fabs(static_cast<double>(inverse[i]) - r.F_N[i]); r.ok[i] != 0 && !std::isnan(item.largest_N) && !(apart <= item.largest_N))
-        item.largest_N = apart, item.largest_at_N = r.F_N[i];
-    if (!std::isfinite(item.largest_N))
-      return fail(ErrorCode::config, "the compensator gives no number", r.name);
-
-    const std::vector<float> floor = tracked_floor(r, recorded, rate_Hz);
-    const std::vector<float> found = library->run(recorded, shrink, floor, false, T);
-    Thinned t;
-    const auto every = static_cast<std::size_t>(std::max(1.0, 0.05 * rate_Hz));
-    for (std::size_t i = every; i < n; i += every) {
-      if (r.ok[i] == 0) continue;
-      const double above = static_cast<double>(recorded[i] - floor[i]);
-      t.F.push_back(static_cast<float>(r.F_N[i]));
-      t.plain.push_back(above > 0.0 ? static_cast<float>(static_cast<double>(floor[i]) +
-                                                         above / static_cast<double>(shrink[i]))
-                                    : recorded[i]);
-      t.compensated.push_back(found[i]);
-      t.shrink.push_back(shrink[i]);
-    }
-    if (t.F.empty()) continue;  // no instant of it was measured
-    t.add_to(plain_line, t.plain);
-    t.add_to(compensated_line, t.compensated);
-    kept.push_back(std::move(t));
-    out.largest_N = std::max(out.largest_N, item.largest_N);
-    out.records.push_back(item);
+    FORCEGATE_TRY(Replayed one, replayed({model, compensator, *built, campaign, in_frame, rate_Hz, most_s}, rows));
+    if (one.at.F.empty()) continue;  // no instant of it was measured
+    one.at.add_to(plain_line, one.at.plain);
+    one.at.add_to(compensated_line, one.at.compensated);
+    kept.push_back(std::move(one.at));
+    out.largest_N = std::max(out.largest_N, one.item.largest_N);
+    out.records.push_back(std::move(one.item));
   }
   if (kept.empty()) return fail(ErrorCode::config, "the campaign has no record to replay", campaign.name);
-  const auto rms = [](const std::vector<float>& x, const std::vector<float>& F,
-                      std::pair<double, double> line) {
-    double sum = 0.0;
-    for (std::size_t i = 0; i < x.size(); ++i)
-      sum += std::pow(line.first * static_cast<double>(x[i]) + line.second - static_cast<double>(F[i]), 2);
-    return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, x.size())));
-  };
   double low_N = 1e300, high_N = -1e300;
   for (std::size_t k = 0; k < kept.size(); ++k) {
-    ReplayedRecord& item = out.records[k];
-    item.plain_rms_N = rms(kept[k].plain, kept[k].F, plain_line.fit());
-    item.compensated_rms_N = rms(kept[k].compensated, kept[k].F, compensated_line.fit());
-    item.raw_plain_rms_N = rms(kept[k].plain, kept[k].F, {1.0, 0.0});
-    item.raw_compensated_rms_N = rms(kept[k].compensated, kept[k].F, {1.0, 0.0});
-    Line own_plain, own_compensated;
-    kept[k].add_to(own_plain, kept[k].plain);
-    kept[k].add_to(own_compensated, kept[k].compensated);
-    item.own_plain_rms_N = rms(kept[k].plain, kept[k].F, own_plain.fit());
-    item.own_compensated_rms_N = rms(kept[k].compensated, kept[k].F, own_compensated.fit());
-    out.plain_rms_N += item.plain_rms_N * item.plain_rms_N / static_cast<double>(kept.size());
-    out.compensated_rms_N +=
-        item.compensated_rms_N * item.compensated_rms_N / static_cast<double>(kept.size());
-    out.raw_plain_rms_N += item.raw_plain_rms_N * item.raw_plain_rms_N / static_cast<double>(kept.size());
-    out.raw_compensated_rms_N += item.raw_compensated_rms_N * item.raw_compensated_rms_N / static_cast<double>(kept.size());
+    take_errors(kept[k], plain_line, compensated_line, out.records[k]);
     const auto [least, most] = std::ranges::minmax(kept[k].F);
     low_N = std::min(low_N, static_cast<double>(least)), high_N = std::max(high_N, static_cast<double>(most));
   }
-  std::tie(out.line_gain, out.line_zero_N) = compensated_line.fit();
   out.span_N = high_N - low_N;
-  out.raw_plain_rms_N = std::sqrt(out.raw_plain_rms_N);
-  out.raw_compensated_rms_N = std::sqrt(out.raw_compensated_rms_N);
-  out.plain_rms_N = std::sqrt(out.plain_rms_N);
-  out.compensated_rms_N = std::sqrt(out.compensated_rms_N);
+  std::tie(out.line_gain, out.line_zero_N) = compensated_line.fit();
+  out.plain_rms_N = rms_of(out.records, &ReplayedRecord::plain_rms_N);
+  out.compensated_rms_N = rms_of(out.records, &ReplayedRecord::compensated_rms_N);
+  out.raw_plain_rms_N = rms_of(out.records, &ReplayedRecord::raw_plain_rms_N);
+  out.raw_compensated_rms_N = rms_of(out.records, &ReplayedRecord::raw_compensated_rms_N);
   return out;
 }
 

@@ -1,5 +1,6 @@
 #include "hil/app/gate/sensor_records.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -48,14 +49,14 @@ SensorRecord record_of(const Json& j) {
   return r;
 }
 
-bool sound(const SensorRecord& r, const characterize::WeightGatePlan& plan) {
+// nullptr: nothing.
+const char* what_is_wrong(const SensorRecord& r, const characterize::WeightGatePlan& plan) {
   const std::size_t n = r.frames.force_N.size();
-  if (n == 0 || r.frames.oracle_N.size() != n || r.frames.conductance_N.size() != n ||
-      r.frames.loading.size() != n)
-    return false;
-  for (const std::size_t l : r.frames.loading)
-    if (l > plan.loadings) return false;
-  return r.failure || (r.answers.force_N.size() == n && r.answers.flags.size() == n);
+  const bool answered = r.failure || (r.answers.force_N.size() == n && r.answers.flags.size() == n);
+  if (n == 0) return "a record has no frame";
+  if (r.frames.oracle_N.size() != n || r.frames.conductance_N.size() != n || r.frames.loading.size() != n || !answered) return "the lists of a record are not of one length";
+  if (std::ranges::any_of(r.frames.loading, [&](std::size_t l) { return l > plan.loadings; })) return "a record has more loadings than its plan";
+  return nullptr;
 }
 
 }  // namespace
@@ -89,8 +90,7 @@ Result<std::vector<SensorRecord>> sensor_records_from(std::string_view text,
     } catch (const Json::exception&) {
       return fail(ErrorCode::parse, "a line is no record of a sensor", name);
     }
-    if (!sound(out.back(), plan))
-      return fail(ErrorCode::parse, "the lists of a record are not of one length", name);
+    if (const char* wrong = what_is_wrong(out.back(), plan)) return fail(ErrorCode::parse, wrong, name);
   }
   return out;
 }

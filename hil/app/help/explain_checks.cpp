@@ -36,6 +36,8 @@ const std::vector<Explanation>& check_explanations() {
       {"no_worse_minima", "check", "The same of the minima.", "forcegate diff ACCEPTED CANDIDATE says where."},
       {"rig_network", "check", "Gate of a firmware that reads conductance and capacitance: the network in double precision on the codes of this bench, mean squared error.",
        "Beyond the limit no firmware can hold it on these codes: look at the bench, or train the networks on its sensors."},
+      {"session", "check", "The same gate: the image was loaded, echoed nonce and calibration, and answered every frame to the end.",
+       "The evidence says how it ended; what is not the firmware's failure is the link's: look at cable, emulator and load of the machine."},
       {"finite", "check", "The same gate: forces of the firmware that are no number.", kOwn},
       {"saturation_flag", "check", "The same gate: saturated frames that are not flagged, and sound ones that are. A saturated reading is no force.", kOwn},
       {"mse", "check", "The same gate: mean squared error of one sensor against the weights.", "The evidence has the network's own error beside it: what lies above that is the build's."},

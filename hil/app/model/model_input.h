@@ -19,7 +19,7 @@ struct CampaignRequest {
   std::vector<std::string> maps;  ///< "pressure_bar=F_ref_N"
   double assumed_rate_Hz = 0.0;
   unsigned threads = 0;
-  std::string divider;  ///< "10k:5" (hil/trace/divider.h); "": none
+  std::string divider = {};  ///< "10k:5" (hil/trace/divider.h); "": none
   double late_s = 0.0;  ///< by which the output is known to be late behind the force
 };
 

@@ -1,11 +1,11 @@
 #include "hil/app/power/mutant.h"
 
 #include <algorithm>
-#include <charconv>
 #include <map>
 #include <set>
 
 #include "hil/base/read_file.h"
+#include "hil/base/read_number.h"
 #include "hil/base/text.h"
 
 namespace forcegate {
@@ -40,12 +40,11 @@ std::vector<std::string> words(std::string_view text, char separator) {
 }
 
 Result<double> number(const std::string& word, const std::string& where) {
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc{} || end != word.data() + word.size())
+  const std::optional<double> value = read_number(word);
+  if (!value)
     return fail(ErrorCode::config, "a level of a mutant is not a number: '" + printable_utf8(word) + "'",
                 where);
-  return value;
+  return *value;
 }
 
 }  // namespace

@@ -21,6 +21,7 @@ JudgedCheck no_session(const Error& error, const std::string& case_id) {
              .case_id = case_id,
              .title = "The image answers to the end of its session",
              .value = std::numeric_limits<double>::quiet_NaN(),
+             .unit = {},
              .limit = {},
              .verdict = firmware ? Verdict::fail : ours || cancelled ? Verdict::not_run : Verdict::rig_error,
              .blame = firmware ? Blame::firmware : ours ? Blame::harness : cancelled ? Blame::user : Blame::link,

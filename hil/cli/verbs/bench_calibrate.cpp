@@ -1,13 +1,13 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <charconv>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "hil/app/bench/bench_calibrate.h"
 #include "hil/app/files/own_file.h"
 #include "hil/app/files/write_file.h"
+#include "hil/base/read_number.h"
 #include "hil/base/text.h"
 #include "hil/base/utc_clock.h"
 #include "hil/cli/command.h"
@@ -24,12 +24,11 @@ using Json = nlohmann::ordered_json;
 Result<std::vector<double>> masses_of(const std::string& text) {
   std::vector<double> out;
   for (const std::string& word : split(text, ',')) {
-    double v = 0.0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), v);
-    if (error != std::errc{} || end != word.data() + word.size() || !(v >= 0.0 && v <= 1e6))
+    const std::optional<double> mass_g = read_number(word);
+    if (!mass_g || *mass_g < 0.0 || *mass_g > 1e6)
       return fail(ErrorCode::usage, "'" + printable_utf8(word) + "' is no mass in grams", "--masses",
                   "for example --masses 0,50,100,200,400");
-    out.push_back(v);
+    out.push_back(*mass_g);
   }
   return out;
 }

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/base/read_number.h"
 #include "hil/base/text.h"
-#include "rigs/emulated/twins/control_words.h"
 
 namespace forcegate::emulated {
 
@@ -70,7 +70,7 @@ Result<FaultEntry> FaultScript::read_words(std::span<const std::string> words) {
                  {"COUNT", words[4], count, 1e9},
                  {"AMOUNT", words[5], e.amount, e.kind == WireFault::garbage ? kGarbageMax : 1e6}};
   for (const auto& n : numbers) {
-    const auto value = number_in(n.word);
+    const auto value = read_number(n.word);
     if (!value || *value < 0.0 || *value > n.highest)
       return fail(ErrorCode::usage, std::string(n.name) + " of a fault must be a number from 0 to " + shortest(n.highest) + ", not '" + n.word + "'");
     n.out = *value;

@@ -10,6 +10,7 @@
 #include <fstream>
 #include <span>
 
+#include "hil/base/read_number.h"
 #include "hil/base/text.h"
 #include "rigs/emulated/twins/ati_controller.h"
 #include "rigs/emulated/twins/control_socket.h"
@@ -213,7 +214,7 @@ std::string TwinHost::execute(Client& client, const std::string& line) {
   if (verb == "image") return board_.fate().empty() ? "ok runs" : "ok " + board_.fate();
   if (verb == "fault") return fault(words);
   if (verb == "load" && words.size() == 2) {
-    const auto newtons = number_in(words[1]);
+    const auto newtons = read_number(words[1]);
     if (!newtons) return "error usage load wants a weight in newtons, not '" + words[1] + "'";
     weight_N_ = *newtons;
     return "ok";
@@ -246,7 +247,7 @@ std::string TwinHost::mount(const std::vector<std::string>& words) {
       out = v.value_or(out);
     };
     const auto number = [&](double& out) {
-      const auto v = number_in(value);
+      const auto v = read_number(value);
       good = v.has_value();
       out = v.value_or(out);
     };

@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <array>
 
+#include "hil/base/text.h"
 #include "rigs/emulated/twins/host.h"
 
 namespace forcegate::emulated {
@@ -54,6 +56,11 @@ Result<TwinOptions> read_twin_options(const ConfigNode& bench) {
   integer(bench.find("reference"), "baud", baud);
   o.reference.baud = static_cast<unsigned>(baud);
   text(bench.find("reference"), "adapter", o.reference.adapter);
+  // a program of its own speaks to the twin of the ATI controller
+  constexpr std::array kReferences{"ati_serial", "ati_digital", "ati_netft", "process"};
+  if (std::ranges::find(kReferences, o.reference.adapter) == kReferences.end())
+    return fail(ErrorCode::config, "there is no twin of a reference '" + printable_utf8(o.reference.adapter) + "'", bench.find("reference")->find("adapter")->where,
+                "write one in rigs/emulated/twins and choose it in host.cpp there, or leave [twins] out");
   text(bench.find("reference"), "serial", o.reference.serial);
   integer(bench.find("reference"), "udp_port", o.reference.udp_port);
   integer(bench.find("reference"), "http_port", o.reference.http_port);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 
@@ -40,9 +41,7 @@ class EveryLaw : public testing::TestWithParam<diagnose::DriftLaw> {
     return fit;
   }
   const diagnose::DriftLaw& law() const {
-    for (const diagnose::DriftLaw& l : diagnose::drift_laws())
-      if (l.name == GetParam().name) return l;
-    return diagnose::drift_laws().front();
+    return *std::ranges::find(diagnose::drift_laws(), GetParam().name, &diagnose::DriftLaw::name);
   }
 };
 INSTANTIATE_TEST_SUITE_P(Laws, EveryLaw, testing::ValuesIn(diagnose::drift_laws()),

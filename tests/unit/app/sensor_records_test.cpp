@@ -43,11 +43,14 @@ TEST(SensorRecords, damaged_lines_are_refused) {
   EXPECT_FALSE(sensor_records_from("{\"sensor\":1}", {}, "r").has_value());
   std::string shorter = text;
   shorter.replace(shorter.find("[5.0,10.0]"), 10, "[5.0]");
-  EXPECT_FALSE(sensor_records_from(shorter, {}, "r").has_value());
+  const auto uneven = sensor_records_from(shorter, {}, "r");
+  ASSERT_FALSE(uneven.has_value());
+  EXPECT_EQ(uneven.error().text, "the lists of a record are not of one length");
   std::string beyond = text;
   beyond.replace(beyond.find("[0,3]"), 5, "[0,4]");
-  EXPECT_FALSE(sensor_records_from(beyond, {}, "r").has_value())
-      << "the plan has three loadings, 3 is the last frames'";
+  const auto more = sensor_records_from(beyond, {}, "r");
+  ASSERT_FALSE(more.has_value()) << "the plan has three loadings, 3 is the last frames'";
+  EXPECT_EQ(more.error().text, "a record has more loadings than its plan");
 }
 
 }  // namespace

@@ -37,6 +37,7 @@ CaseRecord record(const std::string& specimen, double error, double swing = 0.0)
 }
 
 std::vector<JudgedCheck> ruled(std::vector<JudgedCheck> checks) {
+  EXPECT_FALSE(checks.empty()) << "what looks at each of none proves nothing";
   std::vector<JudgedCheck*> all;
   for (JudgedCheck& j : checks) all.push_back(&j);
   apply_rule({}, all);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 
 #include "hil/base/rng.h"
 #include "hil/gate/rule.h"
@@ -22,6 +23,7 @@ TEST(RuleRisk, the_probability_of_conformance_is_that_of_tables) {
 
 TEST(RuleRisk, the_zones_of_the_rule_are_guard_bands_of_two_standard_uncertainties) {
   Rng rng(7, "zones");
+  std::map<Verdict, int> seen;
   for (int i = 0; i < 2000; ++i) {
     Check c;
     c.limit = {Limit::Kind::upper, 4.5, "test"};
@@ -29,6 +31,7 @@ TEST(RuleRisk, the_zones_of_the_rule_are_guard_bands_of_two_standard_uncertainti
     c.value = 4.5 + 3.0 * c.u * (2.0 * rng.uniform() - 1.0);
     const double conforms = conformance_probability(c.value, c.u, 4.5);
     const Verdict verdict = zone(c, coverage_factor(0.9545, 0.0) * c.u);
+    ++seen[verdict];
     if (verdict == Verdict::pass) {
       EXPECT_GE(conforms, 0.9772);
     }
@@ -42,6 +45,8 @@ TEST(RuleRisk, the_zones_of_the_rule_are_guard_bands_of_two_standard_uncertainti
       EXPECT_LE(conforms, 0.0228);
     }
   }
+  EXPECT_EQ(seen.size(), 4U);
+  for (const Verdict v : {Verdict::pass, Verdict::marginal, Verdict::inconclusive, Verdict::fail}) EXPECT_GT(seen[v], 200) << to_string(v);
 }
 
 }  // namespace

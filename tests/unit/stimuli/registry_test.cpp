@@ -44,7 +44,7 @@ class EveryStimulus : public ::testing::TestWithParam<std::string> {
     for (int variant = 0; variant < 2; ++variant) {
       if (GetParam() == "replay") continue;  // reads a file: has its own test
       const auto made = make_stimulus(sample(GetParam(), variant));
-      ASSERT_TRUE(made.has_value()) << made.error().to_text();
+      ASSERT_TRUE(made.has_value()) << "sample() of this file has no good one: " << made.error().to_text();
       body(**made);
     }
   }
@@ -100,6 +100,7 @@ TEST_P(EveryStimulus, changes_smoothly_enough_for_a_motor_except_a_step) {
 TEST_P(EveryStimulus, with_a_ramp_begins_at_zero_and_without_one_at_its_lowest_force_if_cyclic) {
   if (GetParam() == "replay") GTEST_SKIP() << "reads a file";
   const auto plain = make_stimulus(sample(GetParam(), 0)), ramped = make_stimulus(sample(GetParam(), 1));
+  ASSERT_TRUE(plain && ramped) << "sample() of this file has no good one";
   EXPECT_EQ((*ramped)->force_N(0.0), 0.0);
   if ((*plain)->facts().dynamic) {
     EXPECT_NEAR((*plain)->force_N(0.0), (*plain)->facts().minimum_N, 1e-9);

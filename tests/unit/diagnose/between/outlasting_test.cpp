@@ -39,7 +39,9 @@ TEST(Outlasting, LevelsThatScatterAreNoCreep) {
 TEST(Outlasting, AFormThatOutlastsARecordIsNotAskedOfRowsAlone) {
   const Diagnosis d = answer(creeping(53, 0.4, true));
   for (const Finding& f : d.findings)
-    if (f.effect == "creep") EXPECT_NE(f.form, "carried") << told(d);
+    if (f.effect == "creep") {
+      EXPECT_NE(f.form, "carried") << told(d);
+    }
 }
 
 }  // namespace

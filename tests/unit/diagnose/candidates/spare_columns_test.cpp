@@ -23,7 +23,8 @@ ResidualChannel with_one_column() {
 TEST(SpareColumns, AreThereHoweverManyAreTaken) {
   ResidualChannel channel = with_one_column();
   const ResidualChannel before = channel;
-  const EffectKind kind{.name = "made"};
+  EffectKind kind;
+  kind.name = "made";
   for (int taken = 0; taken < 60; taken += 3) {
     EXPECT_EQ(place_candidate(channel, {&kind, nullptr, {}, 0, 3}), taken / 3);
     EXPECT_EQ(channel.candidates.back().first, 1 + taken);
@@ -45,7 +46,8 @@ TEST(SpareColumns, AreThereHoweverManyAreTaken) {
 
 TEST(SpareColumns, OfACandidateThatIsWiderThanWhatIsAddedAtATime) {
   ResidualChannel channel = with_one_column();
-  const EffectKind kind{.name = "made"};
+  EffectKind kind;
+  kind.name = "made";
   place_candidate(channel, {&kind, nullptr, {}, 0, 100});
   EXPECT_GE(channel.problem.ns, 101);
   EXPECT_EQ(channel.rows.front().matrix.cols(), channel.problem.nz + channel.problem.ns + 1);

@@ -28,7 +28,9 @@ TEST(HardGap, OfAnyWidthIsFound) {
     ASSERT_FALSE(d.findings.empty());
     EXPECT_EQ(d.findings.front().effect, "dead_zone") << told(d);
     for (const FoundParameter& p : d.findings.front().parameters)
-      if (p.name == "F0_N") EXPECT_NEAR(p.value, gap_N, 0.02) << told(d);
+      if (p.name == "F0_N") {
+        EXPECT_NEAR(p.value, gap_N, 0.02) << told(d);
+      }
     EXPECT_LT(d.error_after, 1.5 * d.floor) << gap_N;
   }
 }
