@@ -36,18 +36,25 @@ bool is_one_of(const std::string& word, const std::array<std::string_view, n>& w
 }
 
 constexpr std::array<std::string_view, 4> kMounting = {"mounting", "mount", "fixture", "fixation"};
-constexpr std::array<std::string_view, 7> kAgain = {"remounted", "remount", "remounting", "reseated", "reattached", "reinstalled", "refitted"};
-constexpr std::array<std::string_view, 5> kMounted = {"mounted", "seated", "attached", "installed", "fixed"};
+constexpr std::array<std::string_view, 3> kAgain = {"remount", "remounting", "refitted"};
+constexpr std::array<std::string_view, 10> kMounted = {"mounted", "seated", "attached", "installed", "fixed", "glued", "taped", "bonded", "stuck", "cemented"};
+// Weights are placed again too, and a specimen is clamped: only where the note speaks of the sensor.
+constexpr std::array<std::string_view, 7> kPlaced = {"placed", "positioned", "inserted", "clamped", "centred", "centered", "aligned"};
+constexpr std::array<std::string_view, 7> kSensor = {"sensor", "film", "flexiforce", "fsr", "pad", "puck", "sensors"};
 constexpr std::array<std::string_view, 4> kAnew = {"again", "anew", "newly", "new"};
 constexpr std::array<std::string_view, 5> kNot = {"not", "no", "without", "never", "before"};
 
 bool says_remounted(const std::vector<std::string>& words) {
   if (std::ranges::any_of(words, [](const std::string& w) { return is_one_of(w, kNot); })) return false;
   if (std::ranges::any_of(words, [](const std::string& w) { return is_one_of(w, kAgain); })) return true;
-  for (std::size_t i = 0; i + 1 < words.size(); ++i) {
-    if (words[i] == "re" && is_one_of(words[i + 1], kMounted)) return true;
-    if (is_one_of(words[i], kMounted) && is_one_of(words[i + 1], kAnew)) return true;
-    if (is_one_of(words[i], kAnew) && (is_one_of(words[i + 1], kMounting) || is_one_of(words[i + 1], kMounted))) return true;
+  const bool of_sensor = std::ranges::any_of(words, [](const std::string& w) { return is_one_of(w, kSensor); });
+  const auto mounted = [&](const std::string& w) { return is_one_of(w, kMounted) || (of_sensor && is_one_of(w, kPlaced)); };
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (words[i].starts_with("re") && mounted(words[i].substr(2))) return true;
+    if (i + 1 == words.size()) break;
+    if (words[i] == "re" && mounted(words[i + 1])) return true;
+    if (mounted(words[i]) && is_one_of(words[i + 1], kAnew)) return true;
+    if (is_one_of(words[i], kAnew) && (is_one_of(words[i + 1], kMounting) || mounted(words[i + 1]))) return true;
   }
   return false;
 }

@@ -22,9 +22,10 @@ TEST(LabNotes, AMountingIsReadUnderAnyNameAndOutOfWords) {
 }
 
 TEST(LabNotes, TellFromWhereOnTheSensorWasMountedAnew) {
-  for (const char* text : {"remounted", "Sensor re-mounted after lunch", "new mounting", "mounted again", "newly mounted", "film reseated"})
+  for (const char* text : {"remounted", "Sensor re-mounted after lunch", "new mounting", "mounted again", "newly mounted", "film reseated", "re-glued", "weights on, weights off; reglued", "taped again", "sensor placed anew",
+                           "sensor taken off and re-positioned", "film re-inserted"})
     EXPECT_TRUE(note("note", text).remounted) << text;
-  for (const char* text : {"not remounted", "same mounting as before", "no remount", "mounted on the steel plate", "new cable", ""})
+  for (const char* text : {"not remounted", "same mounting as before", "no remount", "mounted on the steel plate", "new cable", "weights placed again", "specimen re-clamped", "glued to the plate", ""})
     EXPECT_FALSE(note("note", text).remounted) << text;
   EXPECT_TRUE(note("remounted", "true").remounted);
   EXPECT_FALSE(note("remounted", "false").remounted);
