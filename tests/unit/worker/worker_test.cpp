@@ -72,7 +72,7 @@ class Named final : public Comparator {
   explicit Named(std::string name) : name_(std::move(name)) {}
   Result<void> begin(const ComparatorSession&) override { return {}; }
   void push(std::span<const std::uint16_t>, std::span<const float>, std::span<const std::uint8_t>) override {}
-  Comparison finish() override { return {.limit = 1.0, .evidence = name_}; }
+  Comparison finish() override { return {.limit = 1.0, .limit_source = {}, .evidence = name_}; }
 
  private:
   std::string name_;
