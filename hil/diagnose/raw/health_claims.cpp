@@ -134,11 +134,6 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
   const bool many_records = n >= 3;
   const std::size_t several = std::min<std::size_t>(2, n);  // one recording has no second to bear it out
   constexpr double kShare = 1.5e-4;  // of the samples: fewer are left out, and no matter for a fit
-  if (bit_errors / samples > kShare && with_bit_errors >= several)
-    out.push_back(
-        {"adc_codes", 0.95,
-         percent(bit_errors / samples) + " of the samples are off by the weight of one bit of the converter",
-         "bit_V", scales.unit, quantile(bit_V, 0.5), 0.05 * quantile(bit_V, 0.5)});
   const HeldCodes codes = find_held_codes(health, scales);
   constexpr double kLeastHeld = 1e-3;
   if (codes.found) held -= std::min(held, codes.samples);
@@ -148,8 +143,13 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
                        (codes.value_V.size() == 1 ? std::string("one value") : std::to_string(codes.value_V.size()) + " values") +
                        (n > 1 ? ", the same in several records," : ", the same again and again,") + " while the force moves on: codes beside them never come",
                    "code_V", scales.unit, codes.value_V.front(), scales.U_range_V * 1e-4});
-    rail = outliers = 0.0;  // a sample on the other side of a gap stands off its neighbours too
+    rail = outliers = bit_errors = 0.0;  // a sample on the other side of a gap stands off its neighbours too
   }
+  if (bit_errors / samples > kShare && with_bit_errors >= several)
+    out.push_back(
+        {"adc_codes", 0.95,
+         percent(bit_errors / samples) + " of the samples are off by the weight of one bit of the converter",
+         "bit_V", scales.unit, quantile(bit_V, 0.5), 0.05 * quantile(bit_V, 0.5)});
   // a few are somebody's hand on the cable, unless they make an error that matters, again and again
   constexpr double kFew = 5.0, kLargeError = 0.01;  // RMS, of the span
   const bool few_but_large = outliers >= kFew && with_any_outlier >= 3 && std::sqrt(outlier_square_V2 / samples) > kLargeError * scales.U_range_V;

@@ -9,7 +9,7 @@ namespace forcegate::diagnose {
 
 /// Of the runs of one value in all records: where some codes are missing, the output stands at the edge of the gap, at the same few values each
 /// time, comes to them from nearby, and goes on beyond them. A lost link holds whatever came last, or falls to its value, one and the same, from
-/// anywhere; a rail has nothing beyond.
+/// anywhere; a rail has nothing beyond. Where lower bits stand still they are the rungs of a ladder, however many, and the highest is one of them.
 struct HeldCodes {
   bool found = false;
   std::vector<double> value_V;  ///< in rising order

@@ -216,7 +216,7 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
   out.noise_U_V = white_noise(U);
   out.noise_F_N = std::min(white_noise(F), restless_noise(t, F));
   const Shared shared = shared_by(F, U);
-  out.scatter_F = reference_scatter(t, F, U, {.range_V = scales.U_range_V, .gain_V_per_N = gain_of_record(shared, scales), .noise_V = out.noise_U_V});
+  out.scatter_F = reference_scatter(t, F, U, {.range_V = scales.U_range_V, .gain_V_per_N = gain_of_record(shared, scales), .noise_V = out.noise_U_V, .step_N = value_step(F)});
   if (shared.n > 0.0 && shared.UU > 0.0) out.beside_line_N = std::sqrt(std::max(0.0, shared.FF - shared.FU * shared.FU / shared.UU) / shared.n);
   const double low_rail = lowest_code_V(bench);
   out.lsb_U_V = value_step(U);

@@ -25,6 +25,24 @@ std::optional<HealthClaim> undeclared(double found, const std::vector<RecordHeal
   return claim_of(kListed, found, "and the output by " + plain_number(sensor_N) + " N; not claimed: nothing is declared that it could be held against (reference_noise_N)");
 }
 
+// Whatever was declared: the reference is restless in some windows and quiet in the rest, and the output stands still in both.
+std::optional<HealthClaim> in_bursts(const std::vector<RecordHealth>& health, const HealthScales& scales, double allowed) {
+  constexpr double kLeast = 0.0025, kAbove = 2.0, kProbability = 0.93;  // kLeast: of the range
+  double square = 0.0, quiet = 0.0, share = 0.0, records = 0.0, can_tell = 0.0;
+  for (const RecordHealth& h : health) {
+    const ReferenceScatter& f = h.scatter_F;
+    can_tell += std::isfinite(f.burst_N) ? 1.0 : 0.0;
+    if (!(f.burst_N > kLeast * scales.range_N && f.burst_N > kAbove * allowed)) continue;
+    square += f.burst_N * f.burst_N;
+    quiet += f.between_bursts_N;
+    share += f.burst_share;
+    records += 1.0;
+  }
+  if (records < std::min(2.0, static_cast<double>(health.size())) || 2.0 * records < can_tell) return std::nullopt;
+  const double found = std::sqrt(square / records);
+  return claim_of(kProbability, found, "in bursts, " + plain_number(std::round(100.0 * share / records)) + " % of the time, and by " + plain_number(quiet / records) + " N between them, while the output stands still in both");
+}
+
 }  // namespace
 
 std::optional<HealthClaim> claim_of_reference_noise(const std::vector<RecordHealth>& health,
@@ -60,6 +78,7 @@ std::optional<HealthClaim> claim_of_reference_noise(const std::vector<RecordHeal
   const bool scatters = noise_declared ? moving > kAbove * allowed || still > kAboveStill * allowed_still
                                        : resolution_declared && moving > kAboveSteps * allowed;
   const double found = noise_declared ? std::max(moving, still) : moving;
+  if (auto claim = in_bursts(health, scales, allowed)) return claim;
   if (!noise_declared && !resolution_declared) return undeclared(found, health, scales);
   if (!(allowed > 0.0) || !scatters || !(found > kLeast * scales.range_N)) return std::nullopt;
   return claim_of(0.93, found, "where " + plain_number(allowed) + " N are allowed");

@@ -6,6 +6,8 @@
 #include <limits>
 #include <vector>
 
+#include "hil/base/quantile.h"
+
 namespace forcegate::diagnose {
 
 namespace {
@@ -17,6 +19,7 @@ struct Window {
   std::size_t samples;
   double of_noise_U;                   // variance that a unit of the output's noise brings into the scatter, N^2/V^2
   std::size_t number;
+  double mean_V;
 };
 
 // All of them, spread evenly where they are many, or those of the numbers `only`.
@@ -66,7 +69,7 @@ std::vector<Window> windows_of(std::span<const double> t_s, std::span<const doub
     const Eigen::Matrix<double, 5, 1> c = M.topLeftCorner<5, 5>().ldlt().solve(M.topRightCorner<5, 1>());
     const double left = std::max(0.0, M(5, 5) - c.dot(M.topRightCorner<5, 1>()));
     const Eigen::Matrix3d beside = (among - with.transpose() * places.ldlt().solve(with)) / (samples - 3.0);
-    out.push_back({std::sqrt(left / (samples - 5.0)), moves_N, moves_V, std::sqrt(steps / (samples - 1.0)), largest, beside(2, 2), beside(0, 2), length, c[3] * c[3] + 0.5 * c[4] * c[4], w});
+    out.push_back({std::sqrt(left / (samples - 5.0)), moves_N, moves_V, std::sqrt(steps / (samples - 1.0)), largest, beside(2, 2), beside(0, 2), length, c[3] * c[3] + 0.5 * c[4] * c[4], w, mean_U});
   };
   if (only.empty())
     for (std::size_t w = 0; w < windows; w += stride) add(w);
@@ -126,6 +129,39 @@ double left_where_still(std::span<const double> t_s, std::span<const double> rec
   return out;
 }
 
+// F beside U, U's own noise and what they share left out.
+double alone_in(const Window& w, const OutputFacts& output) {
+  const double beside_U = w.scatter_N * w.scatter_N - w.of_noise_U * output.noise_V * output.noise_V;
+  return std::sqrt(std::max(0.0, std::min(beside_U, w.free_N2 - moved_N2(w.shared_NV, output))));
+}
+
+// Its lowest level may be a dead zone or a floor, where a force that moves moves nothing.
+void find_bursts(const std::vector<Window>& windows, const OutputFacts& output, double lowest_V, ReferenceScatter& out) {
+  constexpr double kStill = 0.01, kAboveLowest = 0.02;  // of the range
+  constexpr double kRestless = 5.0, kUsual = 0.3, kLeastShare = 0.1, kMostShare = 0.6;
+  constexpr double kLeastStep = 1.1;  // white noise steps by 1.4 of itself; a knock that rings by less
+  constexpr std::size_t kFewestWindows = 20, kFewestBursts = 5;
+  std::vector<double> alone, all;
+  for (const Window& w : windows) {
+    if (!(w.moves_V < kStill * output.range_V && w.mean_V > lowest_V + kAboveLowest * output.range_V) || is_step_of_load(w, output)) continue;
+    all.push_back(alone_in(w, output));
+    alone.push_back(w.step_N > kLeastStep * w.scatter_N ? all.back() : 0.0);
+  }
+  if (all.size() < kFewestWindows) {
+    out.burst_N = std::numeric_limits<double>::quiet_NaN();
+    return;
+  }
+  const double usual_N = std::max(quantile(all, kUsual), 0.5 * output.step_N);
+  double square = 0.0, n = 0.0;
+  for (const double x : alone)
+    if (x > kRestless * usual_N) square += x * x, n += 1.0;
+  const double share = n / static_cast<double>(all.size());
+  if (n < static_cast<double>(kFewestBursts) || share < kLeastShare || share > kMostShare) return;
+  out.burst_N = std::sqrt(square / n);
+  out.between_bursts_N = usual_N;
+  out.burst_share = share;
+}
+
 ReferenceScatter reference_scatter(std::span<const double> t_s, std::span<const double> F_N, std::span<const double> U_V, const OutputFacts& output) {
   // beyond kSlow of the record's span what the output does besides following the force would be laid at the reference's door
   constexpr double kWindow_s = 0.25, kSlow = 0.1;
@@ -143,11 +179,14 @@ ReferenceScatter reference_scatter(std::span<const double> t_s, std::span<const 
     return *quarter;
   };
   std::vector<double> scatter, alone;
-  for (const Window& w : windows_of(t_s, F_N, U_V, kWindow_s)) {
+  const std::vector<Window> windows = windows_of(t_s, F_N, U_V, kWindow_s);
+  for (const Window& w : windows) {
     if (w.moves_N < kSlow * (high - low)) scatter.push_back(w.scatter_N);
-    const double beside_U = w.scatter_N * w.scatter_N - w.of_noise_U * output.noise_V * output.noise_V;
-    alone.push_back(std::sqrt(std::max(0.0, std::min(beside_U, w.free_N2 - moved_N2(w.shared_NV, output)))));
+    alone.push_back(alone_in(w, output));
   }
+  double lowest_V = std::numeric_limits<double>::infinity();
+  for (const double U : U_V) lowest_V = std::min(lowest_V, U);
+  find_bursts(windows, output, lowest_V, out);
   out.quartile_N = lower_quartile(std::move(scatter));
   out.alone_N = lower_quartile(std::move(alone));
   out.still_N = noise_of(still_among(windows_of(t_s, F_N, U_V, kStillWindow_s), output), output);

@@ -12,11 +12,15 @@ struct ReferenceScatter {
   double alone_N = 0.0;     ///< the same over all windows, less what the noise of U brings into it and cov(F, U) / gain, whichever leaves less
   double still_N = 0.0;  ///< RMS over the windows of 0.5 s in which U stands still, the highest 5 % left out: bursts count; 0: fewer than ten.
                          ///< Movement that U shares is left out by their covariance, which the noise of U does not dilute
+  double burst_N = 0.0;        ///< RMS in the windows of 0.25 s in which F is five times as restless as it usually is, and white, while U stands still somewhere
+                               ///< above its lowest; 0: these are fewer than five, less than 10 % or more than 60 % of such windows; NaN: fewer than twenty of these
+  double between_bursts_N = 0.0;  ///< what is usual there, not below half a step of F
+  double burst_share = 0.0;
 };
 /// `range_V`: span of U over the campaign; it stands still where its standard deviation is below 1 % of that. `gain_V_per_N`: of this record,
-/// either sign, not 0. `noise_V`: white noise of a sample of U.
+/// either sign, not 0. `noise_V`: white noise of a sample of U. `step_N`: of F, 0 where it shows none.
 struct OutputFacts {
-  double range_V = 1.0, gain_V_per_N = 1.0, noise_V = 0.0;
+  double range_V = 1.0, gain_V_per_N = 1.0, noise_V = 0.0, step_N = 0.0;
 };
 ReferenceScatter reference_scatter(std::span<const double> t_s, std::span<const double> F_N, std::span<const double> U_V, const OutputFacts& output);
 

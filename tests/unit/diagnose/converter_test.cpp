@@ -120,6 +120,28 @@ TEST(Converter, CodesThatStickAtEveryCarryOfThreeBitsAreNoLostSamples) {
   EXPECT_EQ(named(claims_of_samples(c)), std::vector<std::string>{"adc_codes"});
 }
 
+// Far more values than a converter has carries, and the highest ends the record as a rail would.
+TEST(Converter, LowerBitsThatStandStillAboveALevelAreNoLostSamplesAndNoRail) {
+  Campaign c = make_campaign(90, straight);
+  for (Record& r : c.records)
+    for (double& u : output_of(r))
+      if (u > 2.0) u = 0.3 * std::floor(u / 0.3);
+  EXPECT_EQ(named(claims_of_samples(c)), std::vector<std::string>{"adc_codes"});
+}
+
+TEST(Converter, WhatALinkHoldsOfACoarseConverterIsLost) {
+  Campaign c = make_campaign(91, straight);
+  for (Record& r : c.records) {
+    std::vector<double>& U = output_of(r);
+    for (double& u : U) u = 0.04 * std::round(u / 0.04);
+    for (std::size_t from = 500; from + 60 < U.size(); from += 1500)
+      for (std::size_t i = from; i < from + 60; ++i) U[i] = U[from];
+  }
+  const std::vector<std::string> effects = named(claims_of_samples(c));
+  EXPECT_NE(std::ranges::find(effects, "dropouts"), effects.end());
+  EXPECT_EQ(std::ranges::find(effects, "adc_codes"), effects.end());
+}
+
 TEST(Converter, ACodeThatStandsOnceInEachOfTwoRecordsIsNoLostSample) {
   Campaign c = make_campaign(88, straight);
   for (const std::size_t k : {0u, 4u})  // the slow ramps, on their first way up

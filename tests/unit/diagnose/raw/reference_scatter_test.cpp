@@ -137,5 +137,30 @@ TEST(ReferenceScatter, TakesNoLoadForNoiseWhereTheOutputIsLate) {
   EXPECT_LT(left_where_still(m.t, m.F, m.F, m.U, output), 0.1);
 }
 
+ReferenceScatter in_bursts(double burst_N, double share, double ring_N) {
+  Made m;
+  Rng rng(57, "bursts");
+  for (int i = 0; i < 20000; ++i) {
+    const double t = i / 500.0, force = 2.0 + 0.5 * std::floor(t / 10.0), in_second = t - std::floor(t);
+    m.t.push_back(t);
+    const double knock = in_second < 0.2 ? ring_N * std::exp(-20.0 * in_second) * std::sin(150.0 * in_second) : 0.0;
+    m.F.push_back(force + (in_second < share ? burst_N : 0.004) * rng.normal() + knock);
+    m.U.push_back(2.0 * force + 0.004 * rng.normal());
+  }
+  m.U[0] = 0.0;
+  return reference_scatter(m.t, m.F, m.U, {.range_V = 6.0, .gain_V_per_N = 2.0, .noise_V = 0.004});
+}
+
+TEST(ReferenceScatter, TellsNoiseThatComesInBurstsFromWhatIsUsual) {
+  const ReferenceScatter found = in_bursts(0.1, 0.3, 0.0);
+  EXPECT_NEAR(found.burst_N, 0.1, 0.03);
+  EXPECT_NEAR(found.between_bursts_N, 0.004, 0.001);
+  EXPECT_NEAR(found.burst_share, 0.35, 0.16);
+  EXPECT_EQ(in_bursts(0.004, 0.3, 0.0).burst_N, 0.0);
+  EXPECT_EQ(in_bursts(0.012, 0.3, 0.0).burst_N, 0.0) << "three times as restless is no burst";
+}
+
+TEST(ReferenceScatter, AKnockThatRingsIsNoBurstOfNoise) { EXPECT_EQ(in_bursts(0.004, 0.3, 0.2).burst_N, 0.0); }
+
 }  // namespace
 }  // namespace forcegate::diagnose
