@@ -65,7 +65,8 @@ CleanedSamples clean_samples(Record& record, const HealthScales& scales, const B
   if (force == nullptr || !(sd_N > kSmoothed * scales.range_N)) return out;
   const std::vector<double> recorded_N = draw ? force->value : std::vector<double>{};
   smooth_reference(record, *force, sd_N, scales, health);
-  if (draw) out.cuts.push_back(cut_out_reference_noise(record, recorded_N, std::max(health.noise_F_N, health.scatter_F.quartile_N)));
+  const double burst_N = std::isfinite(health.scatter_F.burst_N) ? health.scatter_F.burst_N : 0.0;
+  if (draw) out.cuts.push_back(cut_out_reference_noise(record, recorded_N, std::max({health.noise_F_N, health.scatter_F.quartile_N, burst_N})));
   return out;
 }
 

@@ -146,18 +146,23 @@ CutOut cut_out_reference_noise(const Record& smoothed, const std::vector<double>
   out.effects = {"reference_noise"};
   out.weight = weight;
   const std::vector<double>& after_N = smoothed.trace.find("F_ref")->value;
+  // where the noise is largest, or the force moves least: an eighth of what it moves by outweighs what its steps are of the movement
+  constexpr double kMoved = 0.125;
   std::size_t first = 0;
-  double least = INFINITY;
+  double most = -INFINITY;
   for (std::size_t at = 0; at + kFewest <= t->size(); at += kFewest / 2) {
-    double low = INFINITY, high = -INFINITY;
+    double low = INFINITY, high = -INFINITY, square = 0.0;
     std::size_t there = 0;
     for (std::size_t i = at; i < at + kFewest; ++i) {
-      there += std::isfinite(before_N[i]) ? 1 : 0;
-      if (std::isfinite(after_N[i])) low = std::min(low, after_N[i]), high = std::max(high, after_N[i]);
+      if (!std::isfinite(before_N[i]) || !std::isfinite(after_N[i])) continue;
+      ++there;
+      if (i > at && std::isfinite(before_N[i - 1])) square += 0.5 * (before_N[i] - before_N[i - 1]) * (before_N[i] - before_N[i - 1]);
+      low = std::min(low, after_N[i]), high = std::max(high, after_N[i]);
     }
-    if (2 * there >= kFewest && high - low < least) least = high - low, first = at;
+    if (2 * there < kFewest) continue;
+    if (const double plain_N = std::sqrt(square / static_cast<double>(there)) - kMoved * (high - low); plain_N > most) most = plain_N, first = at;
   }
-  if (!std::isfinite(least)) return out;
+  if (!std::isfinite(most)) return out;
   SampleWindow& w = out.window;
   w.record = smoothed.name;
   w.quantity = "reference force";
