@@ -77,18 +77,6 @@ void fill(AirChannel channel, const CampaignInput& c, const RecordInput& r, doub
   }
 }
 
-// A film that is slower stands, all the time, where what nobody saw before the first record has put it: what it does since is a
-// straight line in time, and so is every drift.
-bool shows_its_lag(const CampaignInput& c, double tau_s) {
-  constexpr double kOfTheTime = 0.5;
-  double first_s = HUGE_VAL, last_s = -HUGE_VAL;
-  for (const RecordInput& r : c.records) {
-    first_s = std::min(first_s, r.start_s);
-    last_s = std::max(last_s, r.start_s + r.duration_s);
-  }
-  return tau_s <= kOfTheTime * (last_s - first_s);
-}
-
 RecordedCause mean_of_record(AirChannel channel, const std::string& unit) {
   constexpr double kPlain_C = 2.0, kPlain_pct = 5.0;
   const bool warm = channel == &RecordInput::temp_C;
@@ -113,7 +101,6 @@ EffectForm lagged_form(AirChannel channel, bool CampaignInput::*recorded, const 
                 std::vector<std::vector<double>> out;
                 if (!(c.*recorded)) return out;
                 for (const double tau_s : taus_s) {
-                  if (!shows_its_lag(c, tau_s)) continue;
                   out.push_back({tau_s, 0.0});
                   if (tau_s > 0.0 && !c.single) out.push_back({tau_s, 1.0});
                 }
@@ -138,8 +125,7 @@ EffectForm isotherm_form(AirChannel channel, bool CampaignInput::*recorded, cons
                 std::vector<std::vector<double>> out;
                 if (!(c.*recorded)) return out;
                 for (const double tau_s : taus_s)
-                  for (const double k : {-bend, bend})
-                    if (shows_its_lag(c, tau_s)) out.push_back({tau_s, k});
+                  for (const double k : {-bend, bend}) out.push_back({tau_s, k});
                 return out;
               },
           .columns =

@@ -18,8 +18,7 @@ enum class FilmStart { equilibrium, mean };
 std::vector<double> lagged_channel(const CampaignInput& campaign, const RecordInput& record,
                                    AirChannel channel, double tau_s, FilmStart start = FilmStart::equilibrium);
 
-/// Form "lagged" with strengths c_gain_per_<unit>, c_offset_per_<unit>. `recorded`: whether a campaign has the channel. `taus_s`: lags tried, of them
-/// those up to half the time that the campaign took.
+/// Form "lagged" with strengths c_gain_per_<unit>, c_offset_per_<unit>. `recorded`: whether a campaign has the channel. `taus_s`: lags tried.
 EffectForm lagged_form(AirChannel channel, bool CampaignInput::*recorded, const std::string& suffix,
                        const std::string& unit, std::vector<double> taus_s);
 

@@ -43,7 +43,7 @@ TEST(Diagnose, ANoneNamesWhatIsSuspectedBesideItAndWhyItIsNotClaimed) {
   const TemporaryFolder folder;
   ASSERT_EQ(pasted("forcegate mystery --seed 8 m8", folder).exit_code, 0);
   const ProcessResult said = pasted("forcegate diagnose m8", folder);
-  EXPECT_THAT(said.out, HasSubstr("verdict: nothing is missing that these records could show; but humidity is suspected and not claimed"));
+  EXPECT_THAT(said.out, HasSubstr("verdict: nothing is missing that these records could show; but humidity or reference_drift is suspected and not claimed"));
   EXPECT_THAT(said.out, HasSubstr("not claimed: nobody recorded it"));
   EXPECT_THAT(said.out, HasSubstr("with one gain and zero for all, the error of records left out falls from"));
   EXPECT_EQ(next_of(said), "forcegate diagnose m8 --html diagnosis.html");
