@@ -146,7 +146,7 @@ CutOut cut_out_reference_noise(const Record& smoothed, const std::vector<double>
   out.effects = {"reference_noise"};
   out.weight = weight;
   const std::vector<double>& after_N = smoothed.trace.find("F_ref")->value;
-  // where the noise is largest, or the force moves least: an eighth of what it moves by outweighs what its steps are of the movement
+  // where the reference steps most, an eighth of what the force moves by taken off: the steps of a movement are no noise
   constexpr double kMoved = 0.125;
   std::size_t first = 0;
   double most = -INFINITY;
