@@ -9,8 +9,11 @@
 #include <sstream>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "hil/base/text.h"
 #include "hil/trace/air_notes.h"
+#include "hil/trace/air_words.h"
 #include "hil/trace/lab_notes.h"
 
 namespace forcegate {
@@ -221,7 +224,11 @@ Result<DescribedRecord> record_of(const Json& object, const Source& source, cons
   out.file = object["file"].get<std::string>();
   out.where = source.find(out.file, "file");
   FORCEGATE_TRY(out.facts, facts_of(object, source, out.file));
-  out.notes = lab_notes(foreign_members(object));
+  const auto members = foreign_members(object);
+  out.notes = lab_notes(members);
+  std::string words;
+  for (const auto& [key, text] : members) words += key + " " + text + "; ";
+  out.air = air_in_words(words);
   return out;
 }
 
@@ -254,6 +261,23 @@ void take_mountings(std::vector<DescribedRecord>& records, std::vector<std::stri
     r->facts.mounting = some_named ? r->notes.mounting : std::to_string(number);
   }
   notes.emplace_back("mountings are taken from what campaign.json says of the records in words");
+}
+
+// Keys, and the columns of the files, go before words.
+void take_air(std::vector<DescribedRecord>& records, std::vector<std::string>& notes) {
+  const auto take = [&](std::optional<double> AirNotes::*said, std::optional<double> Record::*fact, const char* quantity) {
+    std::size_t n = 0;
+    for (DescribedRecord& r : records) {
+      if (r.facts.*fact || !(r.air.*said)) continue;
+      r.facts.*fact = r.air.*said;
+      ++n;
+    }
+    if (n > 0)
+      notes.push_back(fmt::format("{} of {} record{} is taken from what campaign.json says of {} in words", quantity, n, n == 1 ? "" : "s", n == 1 ? "it" : "them"));
+  };
+  take(&AirNotes::temp_C, &Record::temp_C, "the temperature");
+  take(&AirNotes::humidity_pct, &Record::humidity_pct, "the humidity");
+  take(&AirNotes::drive_V, &Record::drive_V, "the drive");
 }
 
 }  // namespace
@@ -306,6 +330,7 @@ Result<CampaignDescription> read_description(const fs::path& file) {
   }
   take_stamps(*out.records, out.notes);
   take_mountings(*out.records, out.notes);
+  take_air(*out.records, out.notes);
   return out;
 }
 

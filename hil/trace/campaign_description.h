@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "hil/trace/air_notes.h"
 #include "hil/trace/campaign.h"
 #include "hil/trace/lab_notes.h"
 
@@ -14,6 +15,7 @@ namespace forcegate {
 struct DescribedRecord {
   Record facts;       ///< without samples
   LabNotes notes;     ///< in words
+  AirNotes air;       ///< in words, where no key tells it
   std::string file;   ///< as written, relative to the folder of campaign.json
   std::string where;  ///< place in campaign.json
 };
