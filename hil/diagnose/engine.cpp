@@ -19,6 +19,7 @@
 #include "hil/diagnose/answer/record_errors.h"
 #include "hil/diagnose/answer/remainder.h"
 #include "hil/diagnose/answer/reservation.h"
+#include "hil/diagnose/answer/sharper_output.h"
 #include "hil/diagnose/answer/verdict.h"
 #include "hil/diagnose/answer/wide_scatter.h"
 #include "hil/diagnose/answer/withdrawals.h"
@@ -301,6 +302,7 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   claim_unloaded_zero(w, claimed, out);
   tell_wide_scatter(w, selection, out);
   tell_moving_zero(w, selection.final, out);
+  tell_sharper_output(w, selection, options.threads, out);
   tell_decay(w, selection.final, options.threads, out);
   add_refused(search, out);
   suspect_refused(w, search.rules, out);
