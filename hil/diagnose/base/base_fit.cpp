@@ -164,118 +164,162 @@ Eigen::MatrixXd columns_beside(const Workspace& w, const RecordInput& of, const 
   return out;
 }
 
+// Gain, zero and decay of every record, and the columns of what the model has beside its law. The decay is not linear in its rate and depth:
+// each round goes a step towards what the one before found.
+class BaseSearch {
+ public:
+  BaseSearch(Workspace& w, unsigned threads, const std::vector<Candidate>& beside) : w_(w), threads_(threads), beside_(beside), S_(w.input.records.size()) {
+    constexpr std::size_t kMostRows = 800;
+    for (const RecordInput& r : w.input.records) rows_.push_back(choose_rows(r, kMostRows));
+    for (const Candidate& c : beside) width_ += c.count;
+  }
+
+  void start() {
+    w_.shifts.assign(records(), {});
+    w_.gain_V_per_N = w_.scales.gain_V_per_N;
+    if (w_.law.decays && w_.input.single)
+      start_blocks(w_, rows_);
+    else if (w_.law.decays)
+      choose_excitation(w_, rows_);
+    if (const double slope = slope_at_rest(w_.input); slope != 0.0) w_.gain_V_per_N = slope;
+  }
+
+  MixedFit with_law_that_fits() {
+    const bool may_decay = w_.law.decays && std::ranges::any_of(w_.input.records, &RecordInput::dynamic);
+    return may_decay ? with_or_without_decay() : run(kRoundsAtRest);
+  }
+
+  void set_decays() {
+    parallel_for(records(), threads_, [&](std::size_t k) { set_decay(w_.input.records[k], w_.law, w_.shifts[k].log_b, w_.shifts[k].log_q); });
+  }
+
+ private:
+  static constexpr int kRounds = 6, kRoundsAtRest = 2, kIterations = 15;
+
+  std::size_t records() const { return w_.input.records.size(); }
+
+  // A sensor that does not decay is better off without the law.
+  MixedFit with_or_without_decay() {
+    constexpr double kNats = 3.0;
+    const BaseLaw decaying = w_.law;
+    const double start_gain = w_.gain_V_per_N;
+    MixedFit with = run(kRounds);
+    const auto shifts = w_.shifts;
+    const double gain = w_.gain_V_per_N;
+    w_.law.decays = false;
+    w_.shifts.assign(records(), {});
+    w_.gain_V_per_N = start_gain;
+    MixedFit without = run(kRoundsAtRest);
+    if (with.valid && (!without.valid || with.log_evidence >= without.log_evidence - kNats)) {
+      w_.law = decaying;
+      w_.shifts = shifts;
+      w_.gain_V_per_N = gain;
+      return with;
+    }
+    w_.decays_otherwise = without.valid && own_courses_decay(w_.input, without);
+    w_.tells_swing = true;
+    w_.input.notes.emplace_back(w_.decays_otherwise ? "the maxima decay, and not along the law of the model: each record's own course is taken for its decay"
+                                                    : "no decay of the maxima is seen: the static law alone is the starting model");
+    return without;
+  }
+
+  MixedFit run(int rounds) {
+    std::vector<int> columns(static_cast<std::size_t>(width_));
+    std::iota(columns.begin(), columns.end(), 0);
+    MixedFit fit;
+    for (int round = 0; round < rounds; ++round) {
+      if (round == 0 || width_ > 0) fill_beside();
+      fit = fit_mixed(problem(), columns, nullptr, kIterations);
+      if (!fit.valid) return fit;
+      if (w_.law.decays && w_.tells_swing && !tells_swing(fit))
+        w_.tells_swing = false;
+      else
+        step_towards(fit);
+    }
+    return fit;
+  }
+
+  // What is late decays as the rest does: a lag that did not would take a share of the decay.
+  void fill_beside() {
+    set_decays();
+    // the first block of a recording has its rows and its force at full rate for all of them
+    const auto whole = [&](std::size_t k) { return std::ranges::find(w_.input.records, w_.input.records[k].recording, &RecordInput::recording); };
+    parallel_for(records(), threads_, [&](std::size_t k) { S_[k] = columns_beside(w_, *whole(k), beside_, rows_[k]); });
+  }
+
+  MixedProblem problem() const {
+    MixedProblem out;
+    set_repeatability(out, w_.input.single, w_.zero_wanders, w_.tells_swing);
+    out.ns = width_;
+    set_priors(out);
+    out.records.resize(records());
+    parallel_for(records(), threads_, [&](std::size_t k) { out.records[k] = gram_of(k); });
+    return out;
+  }
+
+  // Strengths that a model file has written stay near it, others are open.
+  void set_priors(MixedProblem& out) const {
+    constexpr double kOpen = 1.0;                  // of the span: whatever they need
+    constexpr double kAbout = 0.3, kLeast = 0.02;  // of what is written, of the span
+    out.column_prior_sd = Eigen::VectorXd::Constant(width_, kOpen);
+    out.column_prior_mean = Eigen::VectorXd::Zero(width_);
+    Eigen::Index first = 0;
+    for (const Candidate& c : beside_) {
+      for (std::size_t j = 0; j < c.written.size(); ++j) {
+        const auto at = first + static_cast<Eigen::Index>(j);
+        out.column_prior_mean[at] = c.written[j] * w_.gain_V_per_N * w_.input.range_N / w_.input.U_range_V;
+        out.column_prior_sd[at] = std::max(kLeast, kAbout * std::abs(out.column_prior_mean[at]));
+      }
+      first += c.count;
+    }
+  }
+
+  RecordGram gram_of(std::size_t k) const {
+    constexpr double kNoiseVariance = 1e-6;
+    const Eigen::MatrixXd Z = repeatability_columns(w_, k, rows_[k]);
+    Eigen::MatrixXd A(Z.rows(), Z.cols() + width_ + 1);
+    A.leftCols(Z.cols()) = Z;
+    A.middleCols(Z.cols(), width_) = S_[k];
+    for (Eigen::Index j = 0; j < Z.rows(); ++j)
+      A(j, Z.cols() + width_) = w_.input.records[k].U_V[rows_[k][static_cast<std::size_t>(j)]] / w_.input.U_range_V + Z(j, 2) * w_.shifts[k].log_b +
+                                Z(j, 3) * w_.shifts[k].log_q;
+    RecordGram out;
+    out.gram = (A.transpose() * A) / std::max<double>(1.0, static_cast<double>(A.rows()));
+    out.n_eff = effective_samples(rows_[k].size());
+    out.noise_variance = kNoiseVariance;
+    out.heldout = w_.input.records[k].heldout && w_.judges == JudgedBy::heldout;
+    return out;
+  }
+
+  void step_towards(const MixedFit& fit) {
+    constexpr double kLongestStep = 0.5, kLeastGain = 0.3, kMostGain = 3.0;
+    const auto step = [=](double& shift, double found) {
+      shift += std::clamp(found - shift, -kLongestStep, kLongestStep);
+      shift = std::clamp(shift, -kLargestShift, kLargestShift);
+    };
+    for (std::size_t k = 0; k < records(); ++k) {
+      step(w_.shifts[k].log_b, fit.coefficient[2] + fit.zeta[k][2]);
+      step(w_.shifts[k].log_q, fit.coefficient[3] + fit.zeta[k][3]);
+    }
+    w_.gain_V_per_N *= std::clamp(fit.coefficient[0], kLeastGain, kMostGain);
+  }
+
+  Workspace& w_;
+  unsigned threads_;
+  const std::vector<Candidate>& beside_;
+  std::vector<std::vector<std::size_t>> rows_;  // that are fitted, of each record
+  std::vector<Eigen::MatrixXd> S_;              // of `beside`
+  int width_ = 0;                               // columns of S
+};
+
 }  // namespace
 
 void fit_base(Workspace& w, unsigned threads, const std::vector<Candidate>& beside) {
-  const std::size_t n = w.input.records.size();
-  w.shifts.assign(n, {});
-  w.gain_V_per_N = w.scales.gain_V_per_N;
-  std::vector<std::vector<std::size_t>> rows;
-  for (const RecordInput& r : w.input.records) rows.push_back(choose_rows(r, 800));
-  if (w.law.decays && w.input.single)
-    start_blocks(w, rows);
-  else if (w.law.decays)
-    choose_excitation(w, rows);
-  if (const double slope = slope_at_rest(w.input); slope != 0.0) w.gain_V_per_N = slope;
-
-  constexpr double kOpen = 1.0;                 // of the span: whatever they need
-  constexpr double kAbout = 0.3, kLeast = 0.02; // of what is written, of the span
-  std::vector<Eigen::MatrixXd> S(n);
-  const auto set_decays = [&] { parallel_for(n, threads, [&](std::size_t k) { set_decay(w.input.records[k], w.law, w.shifts[k].log_b, w.shifts[k].log_q); }); };
-  // the first block of a recording has its rows and its force at full rate for all of them
-  const auto whole = [&](std::size_t k) { return std::ranges::find(w.input.records, w.input.records[k].recording, &RecordInput::recording); };
-  // what is late decays as the rest does: a lag that did not would take a share of the decay
-  const auto fill_beside = [&] {
-    set_decays();
-    parallel_for(n, threads, [&](std::size_t k) { S[k] = columns_beside(w, *whole(k), beside, rows[k]); });
-  };
-  int ns = 0;
-  for (const Candidate& c : beside) ns += c.count;
-  std::vector<int> columns(static_cast<std::size_t>(ns));
-  std::iota(columns.begin(), columns.end(), 0);
-
-  const auto run = [&](int rounds) {
-    MixedFit fit;
-    for (int round = 0; round < rounds; ++round) {
-      if (round == 0 || ns > 0) fill_beside();
-      MixedProblem problem;
-      set_repeatability(problem, w.input.single, w.zero_wanders, w.tells_swing);
-      problem.ns = ns;
-      problem.column_prior_sd = Eigen::VectorXd::Constant(ns, kOpen);
-      problem.column_prior_mean = Eigen::VectorXd::Zero(ns);
-      Eigen::Index first = 0;
-      for (const Candidate& c : beside) {
-        for (std::size_t j = 0; j < c.written.size(); ++j) {
-          const auto at = first + static_cast<Eigen::Index>(j);
-          problem.column_prior_mean[at] = c.written[j] * w.gain_V_per_N * w.input.range_N / w.input.U_range_V;
-          problem.column_prior_sd[at] = std::max(kLeast, kAbout * std::abs(problem.column_prior_mean[at]));
-        }
-        first += c.count;
-      }
-      problem.records.resize(n);
-      parallel_for(n, threads, [&](std::size_t k) {
-        const Eigen::MatrixXd Z = repeatability_columns(w, k, rows[k]);
-        Eigen::MatrixXd A(Z.rows(), Z.cols() + ns + 1);
-        A.leftCols(Z.cols()) = Z;
-        A.middleCols(Z.cols(), ns) = S[k];
-        for (Eigen::Index j = 0; j < Z.rows(); ++j)
-          A(j, Z.cols() + ns) = w.input.records[k].U_V[rows[k][static_cast<std::size_t>(j)]] / w.input.U_range_V +
-                           Z(j, 2) * w.shifts[k].log_b + Z(j, 3) * w.shifts[k].log_q;
-        RecordGram& gram = problem.records[k];
-        gram.gram = (A.transpose() * A) / std::max<double>(1.0, static_cast<double>(A.rows()));
-        gram.n_eff = effective_samples(rows[k].size());
-        gram.noise_variance = 1e-6;
-        gram.heldout = w.input.records[k].heldout && w.judges == JudgedBy::heldout;
-      });
-      fit = fit_mixed(problem, columns, nullptr, 15);
-      if (!fit.valid) return fit;
-      if (w.law.decays && w.tells_swing && !tells_swing(fit)) {
-        w.tells_swing = false;
-        continue;
-      }
-      for (std::size_t k = 0; k < n; ++k) {
-        const double b = fit.coefficient[2] + fit.zeta[k][2], q = fit.coefficient[3] + fit.zeta[k][3];
-        w.shifts[k].log_b += std::clamp(b - w.shifts[k].log_b, -0.5, 0.5);
-        w.shifts[k].log_q += std::clamp(q - w.shifts[k].log_q, -0.5, 0.5);
-        w.shifts[k].log_b = std::clamp(w.shifts[k].log_b, -kLargestShift, kLargestShift);
-        w.shifts[k].log_q = std::clamp(w.shifts[k].log_q, -kLargestShift, kLargestShift);
-      }
-      w.gain_V_per_N *= std::clamp(fit.coefficient[0], 0.3, 3.0);
-    }
-    return fit;
-  };
-
-  MixedFit chosen;
-  bool any_dynamic = false;
-  for (const RecordInput& r : w.input.records) any_dynamic |= r.dynamic;
-  if (any_dynamic && w.law.decays) {
-    const BaseLaw decaying = w.law;
-    const double start_gain = w.gain_V_per_N;
-    MixedFit with = run(6);
-    const auto shifts = w.shifts;
-    const double gain = w.gain_V_per_N;
-    // a sensor that does not decay is better off without the law
-    w.law.decays = false;
-    w.shifts.assign(n, {});
-    w.gain_V_per_N = start_gain;
-    MixedFit without = run(2);
-    if (with.valid && (!without.valid || with.log_evidence >= without.log_evidence - 3.0)) {
-      w.law = decaying;
-      w.shifts = shifts;
-      w.gain_V_per_N = gain;
-      chosen = std::move(with);
-    } else {
-      w.decays_otherwise = without.valid && own_courses_decay(w.input, without);
-      w.tells_swing = true;
-      chosen = std::move(without);
-      w.input.notes.emplace_back(w.decays_otherwise ? "the maxima decay, and not along the law of the model: each record's own course is taken for its decay"
-                                                    : "no decay of the maxima is seen: the static law alone is the starting model");
-    }
-  } else {
-    chosen = run(2);
-  }
-  set_decays();
-  if (chosen.valid) parallel_for(n, threads, [&](std::size_t k) { follow_course(chosen, k, w.input.records[k]); });
+  BaseSearch search(w, threads, beside);
+  search.start();
+  const MixedFit chosen = search.with_law_that_fits();
+  search.set_decays();
+  if (chosen.valid) parallel_for(w.input.records.size(), threads, [&](std::size_t k) { follow_course(chosen, k, w.input.records[k]); });
   set_noise(w, threads);
 }
 
