@@ -1,13 +1,11 @@
 #pragma once
 // From the stamps in a file to a time base: order, gaps, rate.
 
-#include <cstdint>
-#include <functional>
 #include <string>
 #include <vector>
 
 #include "hil/base/result.h"
-#include "hil/trace/bursts.h"
+#include "hil/trace/ordered_stamps.h"
 #include "hil/trace/trace.h"
 
 namespace forcegate {
@@ -16,20 +14,6 @@ struct Clock {
   TimeBase base;
   std::vector<std::size_t> rows;  ///< rows to keep, in the order of time; empty = all as they are
   std::vector<std::string> notes;
-};
-
-/// Line of the file that a row stands in, for what is said of it.
-using LineOfRow = std::function<std::uint64_t(std::size_t row)>;
-
-/// Where stamps come from.
-struct ClockSource {
-  std::string where;   ///< file
-  std::string column;  ///< as its header writes it
-  LineOfRow line_of_row;  ///< none: the table comes from no text, and rows are counted
-  double declared_rate_Hz = 0.0;  ///< 0 = not said
-  bool dates = false;  ///< its cells are stamps such as 2024-05-31T10:31:07, which errors then write
-  OtherColumns columns;
-  std::function<std::string(std::size_t row)> changes_at;  ///< header of a column with one value before that row and another from it on, or ""
 };
 
 /// Makes strictly increasing instants of the stamps. Rows without a stamp are dropped, rows out of order by at most
@@ -42,11 +26,6 @@ struct ClockSource {
 /// than a tenth of the steps are above 1.5 nominal ones and it is not jitter the clock counts as non-uniform: nominal_rate_Hz = 0 and no gaps are listed.
 /// Errors (parse): no stamp at all, a clock that jumps back, one that stands still in more than 1 % of the rows.
 Result<Clock> make_clock(std::vector<double> stamps_s, const ClockSource& source);
-
-/// A clock of day begins anew at midnight: stamps (s) within one day that fall from its last minute to its first go on with the next. Days that
-/// were added.
-std::size_t count_midnights(std::vector<double>& stamps_s);
-std::string note_of_midnights(std::size_t days);
 
 /// The base of strictly increasing instants, with the rate and the gaps that make_clock would find.
 TimeBase with_rate_and_gaps(std::vector<double> t_s);
