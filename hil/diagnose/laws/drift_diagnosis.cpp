@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <compare>
 #include <map>
 
 #include "hil/base/plain_number.h"
@@ -75,6 +76,154 @@ std::string sentence_of(const DriftFit& f, const std::string& unit, double ratio
          fmt::format("; parts of the record that were left out are predicted {:.2g} times better than by the {} law", ratio, second);
 }
 
+// All records' fits, and what they add up to (mean squares over records).
+struct Drifts {
+  std::vector<RecordDrift> records;
+  std::map<std::string, double> left_out;  // of every law
+  double constant = 0.0;                   // of the first one, in the order of the records
+  double noise = 0.0, sample_noise = 0.0;
+  double longest_mean_s = 0.0;
+  bool moves = false, wavers = false;
+
+  double rms(double sum) const { return std::sqrt(sum / static_cast<double>(records.size())); }
+
+  void add(RecordDrift drift, const std::vector<double>& t_s, double of_sample) {
+    constexpr double kMoves = 6.0;                      // noise of a mean
+    constexpr double kFarAbove = 2.0, kOfSample = 0.5;  // noise of a mean, and of a sample: instruments wander by less
+    if (t_s.size() > kDriftBlocks) longest_mean_s = std::max(longest_mean_s, (t_s.back() - t_s.front()) / static_cast<double>(kDriftBlocks));
+    sample_noise += of_sample * of_sample;
+    moves |= drift.span > kMoves * drift.noise;
+    const double left = drift.fits.front().left_out_rms;
+    wavers |= left > kFarAbove * drift.noise && left > kOfSample * of_sample;
+    for (const DriftFit& f : drift.fits) {
+      const double square = f.left_out_rms * f.left_out_rms;
+      left_out[std::string(f.law->name)] += square;
+      if (f.law == &drift_laws().front()) constant += square;
+    }
+    noise += drift.noise * drift.noise;
+    records.push_back(std::move(drift));
+  }
+};
+
+struct RankedLaw {
+  double error = 0.0;
+  std::string form;
+  auto operator<=>(const RankedLaw&) const = default;
+};
+
+// The best first; before it the simplest one that predicts as well.
+std::vector<RankedLaw> ranked_laws(const Drifts& drifts) {
+  constexpr double kAsWell = 1.1;
+  std::vector<RankedLaw> out;
+  for (const auto& [form, square] : drifts.left_out) out.push_back({drifts.rms(square), form});
+  std::ranges::sort(out);
+  const double enough = kAsWell * out.front().error;
+  for (const char* simple : {"constant", "line"}) {
+    const auto at = std::ranges::find_if(out, [&](const RankedLaw& r) { return r.form == simple && r.error <= enough; });
+    if (at == out.end()) continue;
+    std::rotate(out.begin(), at, at + 1);
+    break;
+  }
+  return out;
+}
+
+// A line is a limit of every curved law: it must beat the constant only.
+const RankedLaw& rival_of_first(const std::vector<RankedLaw>& ranked) {
+  return ranked.front().form == "line" ? *std::ranges::find(ranked, "constant", &RankedLaw::form) : ranked[1];
+}
+
+void tell_what_is_there(const Campaign& campaign, Diagnosis& out) {
+  const bool has_force = std::ranges::any_of(campaign.records, [](const Record& r) { return r.trace.find("F_ref") != nullptr; });
+  out.notes.push_back(has_force ? "no record has an input that moves: only the drift of the output can be judged"
+                                : "no column is the reference force, among " + listed(campaign.records.front()) +
+                                      ": only the drift of the output can be judged");
+  if (has_force) out.notes.push_back(what_the_force_shows(campaign));
+}
+
+Result<Drifts> fit_drifts(const Campaign& campaign, Diagnosis& out) {
+  Drifts drifts;
+  for (const Record& record : campaign.records) {
+    const Channel* U = output_of(record);
+    if (!U)
+      return fail(ErrorCode::parse, "which column is the output? There are " + listed(record), record.name,
+                  "name it, for instance --map NAME=U_V; an input, where there is one: --map NAME=F_ref_N");
+    out.unit = U->unit;
+    if (&record == &campaign.records.front()) tell_unused(record, *U, out);
+    const std::vector<double>& t_s = record.trace.time_bases[U->time_base].t_s;
+    FORCEGATE_TRY(RecordDrift drift, fit_drift(record.name, t_s, U->value));
+    drifts.add(std::move(drift), t_s, movement_of(U->value).noise);
+    tell_recorded_causes(record, *U, out);
+  }
+  return drifts;
+}
+
+void tell_errors(const Drifts& drifts, const std::vector<RankedLaw>& ranked, Diagnosis& out) {
+  constexpr double kFails = 10.0;  // times the best: an exponential that is led beyond its part says nothing by its number
+  out.floor = drifts.rms(drifts.noise);
+  out.error_before = out.plain_before = drifts.rms(drifts.constant);
+  out.error_after = out.plain_after = ranked.front().error;
+  if (const PrintedUnit unit = printed_unit(out.unit); drifts.longest_mean_s > 0.0)
+    out.notes.push_back(fmt::format("errors and floor are of {} means of each record, over {} s; single samples scatter by {} {} RMS", kDriftBlocks,
+                                    plain_number(drifts.longest_mean_s), plain_number(unit.factor * drifts.rms(drifts.sample_noise)), unit.name));
+  for (const auto& [error, form] : ranked) {
+    const bool fails = error > kFails * ranked.front().error && ranked.front().error > 0.0;
+    out.notes.push_back(fails ? form + ": fails on parts that were left out" : fmt::format("{}: {:.4g} {} on parts that were left out", form, error, out.unit));
+  }
+}
+
+Finding finding_of(const Drifts& drifts, const std::string& form, double ratio, const std::string& second, const Diagnosis& out) {
+  constexpr double kPlain = 1.5;
+  Finding f;
+  f.effect = "drift";
+  f.between_records = true;  // the levels of the records show it
+  f.side = "unknown";
+  f.side_witnessed = false;
+  f.form = form;
+  f.unit = out.unit;
+  f.probability = ratio > kPlain ? 0.95 : 0.75;
+  f.error_before = out.error_before;
+  f.error_after = out.error_after;
+  f.records_excited = f.records_improved = static_cast<int>(drifts.records.size());
+  const DriftFit& first = *std::ranges::find_if(drifts.records.front().fits, [&](const DriftFit& d) { return d.law->name == form; });
+  f.evidence = sentence_of(first, out.unit, ratio, second) + "; without an input the side cannot be told: sensor, chamber and instrument may drift";
+  f.parameters.push_back({"size", first.size, first.u_size, out.unit + first.law->per});
+  if (first.law->shape_name != nullptr) f.parameters.push_back({first.law->shape_name, first.shape, first.u_shape, first.law->shape_unit});
+  if (first.onset_s > 0.0) f.parameters.push_back({"onset_s", first.onset_s, first.u_onset_s, "s"});
+  f.effect_rms = std::sqrt(std::max(0.0, out.error_before * out.error_before - out.error_after * out.error_after));
+  return f;
+}
+
+void judge_law(const Campaign& campaign, const Drifts& drifts, const std::vector<RankedLaw>& ranked, Diagnosis& out) {
+  constexpr double kPartsFromRival = 1.15;
+  constexpr double kDescribes = 3.0, kMostOfIt = 0.25;
+  const std::string& form = ranked.front().form;
+  if (!drifts.moves || form == "constant") {
+    out.error_after = out.plain_after = out.error_before;
+    add_records(campaign, drifts.records, "constant", out);
+    if (drifts.wavers) follows_no_law(out);
+    return;
+  }
+  add_records(campaign, drifts.records, form, out);
+  const RankedLaw& rival = rival_of_first(ranked);
+  const double ratio = rival.error / std::max(ranked.front().error, 1e-300);
+  if (ratio < kPartsFromRival) {
+    out.verdict = DiagnosisVerdict::unknown;
+    out.depends_on = {"time"};
+    out.notes.push_back("the " + form + " and the " + rival.form + " law predict equally well: record longer");
+    return;
+  }
+  const bool leaves_more = drifts.wavers && out.error_after > kDescribes * out.floor;
+  if (leaves_more && out.error_after > kMostOfIt * out.error_before) {
+    follows_no_law(out);
+    return;
+  }
+  out.verdict = DiagnosisVerdict::known;
+  out.residual_unknown = leaves_more;
+  if (leaves_more) out.depends_on = {"time"};
+  out.findings.push_back(finding_of(drifts, form, ratio, rival.form, out));
+  out.steps = {{"", out.error_before}, {"drift", out.error_after}};
+}
+
 }  // namespace
 
 Result<Diagnosis> diagnose_drift(const Campaign& campaign) {
@@ -83,121 +232,11 @@ Result<Diagnosis> diagnose_drift(const Campaign& campaign) {
   out.model = "law of time";
   out.judged_by = JudgedBy::left_out;
   out.notes = campaign.notes;
-  const bool has_force = std::ranges::any_of(campaign.records, [](const Record& r) { return r.trace.find("F_ref") != nullptr; });
-  out.notes.push_back(has_force ? "no record has an input that moves: only the drift of the output can be judged"
-                                : "no column is the reference force, among " + listed(campaign.records.front()) +
-                                      ": only the drift of the output can be judged");
-  if (has_force) out.notes.push_back(what_the_force_shows(campaign));
-  std::map<std::string, double> left_out;
-  std::vector<RecordDrift> drifts;
-  double before = 0.0, noise = 0.0;
-  bool moves = false, wavers = false;
-  double longest_mean_s = 0.0, sample_noise = 0.0;
-  constexpr double kFarAbove = 2.0, kOfSample = 0.5;  // noise of a mean, and of a sample: instruments wander by less
-  for (const Record& record : campaign.records) {
-    const Channel* U = output_of(record);
-    if (!U)
-      return fail(ErrorCode::parse, "which column is the output? There are " + listed(record), record.name,
-                  "name it, for instance --map NAME=U_V; an input, where there is one: --map NAME=F_ref_N");
-    out.unit = U->unit;
-    if (&record == &campaign.records.front()) tell_unused(record, *U, out);
-    FORCEGATE_TRY(RecordDrift drift,
-                  fit_drift(record.name, record.trace.time_bases[U->time_base].t_s, U->value));
-    const std::vector<double>& t_s = record.trace.time_bases[U->time_base].t_s;
-    const double of_sample = movement_of(U->value).noise;
-    if (t_s.size() > kDriftBlocks) longest_mean_s = std::max(longest_mean_s, (t_s.back() - t_s.front()) / static_cast<double>(kDriftBlocks));
-    sample_noise += of_sample * of_sample;
-    moves |= drift.span > 6.0 * drift.noise;
-    const double left = drift.fits.front().left_out_rms;
-    wavers |= left > kFarAbove * drift.noise && left > kOfSample * of_sample;
-    tell_recorded_causes(record, *U, out);
-    for (const DriftFit& f : drift.fits) {
-      left_out[std::string(f.law->name)] += f.left_out_rms * f.left_out_rms;
-      if (f.law == &drift_laws().front()) before += f.left_out_rms * f.left_out_rms;
-    }
-    noise += drift.noise * drift.noise;
-    drifts.push_back(std::move(drift));
-  }
-  const auto n = static_cast<double>(drifts.size());
-  std::vector<std::pair<double, std::string>> ranked;
-  for (const auto& [form, square] : left_out) ranked.emplace_back(std::sqrt(square / n), form);
-  std::sort(ranked.begin(), ranked.end());
-  // the simplest law that predicts as well as the best one
-  const double enough = 1.1 * ranked.front().first;
-  for (const char* simple : {"constant", "line"}) {
-    const auto at = std::find_if(ranked.begin(), ranked.end(),
-                                 [&](const auto& r) { return r.second == simple && r.first <= enough; });
-    if (at == ranked.end()) continue;
-    std::rotate(ranked.begin(), at, at + 1);
-    break;
-  }
-  out.floor = std::sqrt(noise / n);
-  if (const PrintedUnit unit = printed_unit(out.unit); longest_mean_s > 0.0)
-    out.notes.push_back(fmt::format("errors and floor are of {} means of each record, over {} s; single samples scatter by {} {} RMS", kDriftBlocks, plain_number(longest_mean_s),
-                                    plain_number(unit.factor * std::sqrt(sample_noise / n)), unit.name));
-  out.error_before = std::sqrt(before / n);
-  out.error_after = ranked.front().first;
-  out.plain_before = out.error_before;
-  out.plain_after = out.error_after;
-  constexpr double kFails = 10.0;  // times the best: an exponential that is led beyond its part says nothing by its number
-  for (const auto& [error, form] : ranked) {
-    if (error > kFails * ranked.front().first && ranked.front().first > 0.0) {
-      out.notes.push_back(form + ": fails on parts that were left out");
-      continue;
-    }
-    out.notes.push_back(fmt::format("{}: {:.4g} {} on parts that were left out", form, error, out.unit));
-  }
-  if (!moves || ranked.front().second == "constant") {
-    out.error_after = out.plain_after = out.error_before;
-    add_records(campaign, drifts, "constant", out);
-    if (wavers) follows_no_law(out);
-    return out;
-  }
-  const std::string& form = ranked.front().second;
-  add_records(campaign, drifts, form, out);
-  // a line is a limit of every curved law: it must beat the constant only
-  const auto rival = form == "line" ? std::find_if(ranked.begin(), ranked.end(),
-                                                   [](const auto& r) { return r.second == "constant"; })
-                                    : ranked.begin() + 1;
-  const double ratio = rival->first / std::max(ranked.front().first, 1e-300);
-  if (ratio < 1.15) {
-    out.verdict = DiagnosisVerdict::unknown;
-    out.depends_on = {"time"};
-    out.notes.push_back("the " + form + " and the " + rival->second +
-                        " law predict equally well: record longer");
-    return out;
-  }
-  constexpr double kDescribes = 3.0, kMostOfIt = 0.25;
-  const bool leaves_more = wavers && out.error_after > kDescribes * out.floor;
-  if (leaves_more && out.error_after > kMostOfIt * out.error_before) {
-    follows_no_law(out);
-    return out;
-  }
-  out.verdict = DiagnosisVerdict::known;
-  out.residual_unknown = leaves_more;
-  if (leaves_more) out.depends_on = {"time"};
-  Finding f;
-  f.effect = "drift";
-  f.between_records = true;  // the levels of the records show it
-  f.side = "unknown";
-  f.side_witnessed = false;
-  f.form = form;
-  f.unit = out.unit;
-  f.probability = ratio > 1.5 ? 0.95 : 0.75;
-  f.error_before = out.error_before;
-  f.error_after = out.error_after;
-  f.records_excited = f.records_improved = static_cast<int>(drifts.size());
-  const DriftFit& first = *std::find_if(drifts.front().fits.begin(), drifts.front().fits.end(),
-                                        [&](const DriftFit& d) { return d.law->name == form; });
-  f.evidence = sentence_of(first, out.unit, ratio, rival->second) +
-               "; without an input the side cannot be told: sensor, chamber and instrument may drift";
-  f.parameters.push_back({"size", first.size, first.u_size, out.unit + first.law->per});
-  if (first.law->shape_name != nullptr) f.parameters.push_back({first.law->shape_name, first.shape, first.u_shape, first.law->shape_unit});
-  if (first.onset_s > 0.0) f.parameters.push_back({"onset_s", first.onset_s, first.u_onset_s, "s"});
-  f.effect_rms =
-      std::sqrt(std::max(0.0, out.error_before * out.error_before - out.error_after * out.error_after));
-  out.findings.push_back(std::move(f));
-  out.steps = {{"", out.error_before}, {"drift", out.error_after}};
+  tell_what_is_there(campaign, out);
+  FORCEGATE_TRY(const Drifts drifts, fit_drifts(campaign, out));
+  const std::vector<RankedLaw> ranked = ranked_laws(drifts);
+  tell_errors(drifts, ranked, out);
+  judge_law(campaign, drifts, ranked, out);
   return out;
 }
 
