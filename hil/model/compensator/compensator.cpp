@@ -115,6 +115,135 @@ std::string calibration_text(const CalibrationMap& m) {
   return out + "}\n\n";
 }
 
+Result<std::vector<CTerm>> terms_of(const Model& model, const CompensatorOptions& options) {
+  CTermContext context;
+  context.rate_Hz = options.rate_Hz;
+  context.span_N = model.frame.span_N;
+  context.lowest_N = std::isfinite(model.frame.lowest_N) ? model.frame.lowest_N : 0.0;
+  context.reference_temperature_C = std::isfinite(model.frame.temperature_C) ? model.frame.temperature_C : options.reference_temperature_C;
+  std::vector<CTerm> out;
+  for (const ModelEffect& e : merged(model.effects)) {
+    context.id = fmt::format("e{}", out.size());
+    FORCEGATE_TRY(CTerm term, c_term(e, context));
+    if (!term.value.empty()) out.push_back(std::move(term));
+  }
+  for (const UserEffect& e : model.user_effects) {
+    context.id = fmt::format("e{}", out.size());
+    FORCEGATE_TRY(CTerm term, c_term(e, context));
+    out.push_back(std::move(term));
+  }
+  return out;
+}
+
+// What the terms come to together.
+struct Together {
+  double slope = 1.0;        // dE/dF at least, of a sudden change of force
+  int once = 40, each = 6;   // floating-point operations, of a sample and of an evaluation
+  std::size_t state_bytes = 48;
+  bool exp = false, ln = false, sqrt = false, tanh = false, pow = false, power = false, temperature = false;  // functions and inputs
+
+  explicit Together(const std::vector<CTerm>& terms) {
+    for (const CTerm& t : terms) {
+      slope += t.slope_min;
+      once += t.once;
+      each += t.each + 1;
+      state_bytes += t.bytes;
+      exp |= t.needs_exp || t.needs_tanh;
+      ln |= t.needs_ln;
+      sqrt |= t.needs_sqrt;
+      tanh |= t.needs_tanh;
+      pow |= t.needs_pow;
+      power |= t.needs_power;
+      temperature |= t.needs_temperature;
+    }
+  }
+};
+
+Result<void> check_can_be_inverted(const std::vector<CTerm>& terms, double slope) {
+  if (slope >= kLeastSlope) return {};
+  std::string steepest = "the model", falls;
+  double least = 0.0;
+  for (const CTerm& t : terms)
+    if (t.slope_min < least) least = t.slope_min, steepest = t.title.substr(0, t.title.find(':')), falls = t.falls;
+  if (!falls.empty())
+    return c_terms::refuse(steepest, falls, "export a model file without this effect, or give it an equation that grows with the force");
+  return fail(ErrorCode::config,
+              fmt::format("{} cannot be compensated on a microcontroller: it leaves {:.2g} of a sudden change of force in the output, and its "
+                          "inverse would amplify noise by more than {:.0f}",
+                          steepest, std::max(0.0, slope), 1.0 / kLeastSlope),
+              steepest, "filter the reference alike, or accept the lag");
+}
+
+std::string opening_comment(const Model& model, const CompensatorOptions& options, const std::vector<CTerm>& terms, const Compensator& made) {
+  std::string out = "/* Compensator of the model \"" + comment(model.name) + "\"";
+  if (!model.sensor.empty()) out += ", " + comment(model.sensor);
+  out += ".\n   Made by forcegate export; do not edit, export again.\n";
+  for (const std::string& line : options.provenance) out += "   " + comment(line) + "\n";
+  out += "\n   u = G U + F0 is solved for F:  u = F_low + D (F - F_low)";
+  for (std::size_t k = 0; k < terms.size(); ++k) out += fmt::format(" + e{}(F)", k);
+  out += "\n";
+  if (const std::string input = input_in_words(model); !input.empty())
+    out += "   U is " + comment(input) + ": no voltage. G is in N/" + comment(model.output_unit) + ".\n";
+  for (std::size_t k = 0; k < terms.size(); ++k) out += fmt::format("   e{}  {}\n", k, comment(terms[k].title));
+  return out + fmt::format(
+      "\n   Cost of a sample at {:g} Hz: at most {} floating-point operations (at most {} evaluations of the right side), {} bytes of\n"
+      "   state. No heap, no libm, no double. Noise of one sample is amplified by at most {:.2f} at rest.\n"
+      "   The bits are the same on every processor with IEEE 754 single precision, without contraction into fused operations\n"
+      "   (-ffp-contract=off) and without -ffast-math. */\n",
+      options.rate_Hz, made.operations, kEvaluations, made.state_bytes, made.noise_gain);
+}
+
+std::string definitions(const Model& model, double rate_Hz, const Compensator& made) {
+  const std::string guard =
+      "#ifndef FORCEGATE_COMPENSATION_H\n#define FORCEGATE_COMPENSATION_H\n\n#include <stdint.h>\n#include <string.h>\n\n"
+      "#ifdef __FAST_MATH__\n#error \"the compensator needs IEEE 754 arithmetic: build without -ffast-math\"\n#endif\n\n";
+  const std::string facts = fmt::format("#define FG_COMP_ID \"{}\"\n#define FG_COMP_RATE_HZ {}\n#define FG_COMP_NEEDS_TEMPERATURE {}\n\n", made.id,
+                                        rate_text(rate_Hz), made.needs_temperature ? 1 : 0) +
+                            "#define FG_COMP_INPUT_UNIT \"" + plain_word(model.output_unit) + "\"\n";
+  return guard + facts +
+         "/* The fitted law, for those who calibrate by the model itself: F = G U + F0; b = b_scale (slope f + constant), f in Hz;\n"
+         "   q = q_scale / (1 + curvature A^2), A in N; D = (exp(-b t) + q)/(1 + q). */\n" +
+         define("FG_COMP_GAIN_N_PER_V", model.law.gain_N_per_V) + define("FG_COMP_OFFSET_N", model.law.offset_N) +
+         define("FG_COMP_B_SLOPE", model.law.b_slope) + define("FG_COMP_B_CONSTANT_PER_S", model.law.b_intercept_per_s) +
+         define("FG_COMP_Q_CURVATURE_PER_N2", model.law.q_curvature) + define("FG_COMP_B_SCALE", model.law.b_scale) +
+         define("FG_COMP_Q_SCALE", model.law.q_scale) + "\n";
+}
+
+std::string state_and_constants(const std::vector<CTerm>& terms) {
+  std::string out =
+      "typedef struct {\n"
+      "  float u_N, shrink, low_N, temperature_C, t_s; /* of this sample */\n"
+      "  float force_N;                                /* found */\n"
+      "  float turn_u_N, turn_e_N, at_floor_N;         /* what the effects added at the last trough */\n"
+      "  int running, falling;\n"
+      "  uint32_t samples;\n";
+  for (const CTerm& t : terms) out += t.state;
+  out += "} FgComp;\n\n";
+  for (std::size_t k = 0; k < terms.size(); ++k)
+    if (!terms[k].constants.empty()) out += fmt::format("/* e{} {} */\n", k, comment(terms[k].title)) + terms[k].constants + "\n";
+  return out + "static inline void fg_comp_reset(FgComp* c) { memset(c, 0, sizeof *c); }\n\n";
+}
+
+std::string added_by_effects(const std::vector<CTerm>& terms) {
+  std::string out =
+      "static inline float fg_comp_added(const FgComp* c, float F) {\n"
+      "  const float W = c->low_N + c->shrink * (F - c->low_N);\n"
+      "  float e = 0.0f;\n";
+  for (const CTerm& t : terms) out += "  e += " + t.value + ";\n";
+  return out + "  (void)W, (void)c, (void)F;\n  return e;\n}\n\n";
+}
+
+std::string step_of_sample(const std::vector<CTerm>& terms, double rate_Hz, double noise_gain) {
+  constexpr double kRoom = 1.05;
+  std::string prepare, commit, start = "c->force_N";
+  for (const CTerm& t : terms) {
+    if (!t.start.empty()) start = t.start;
+    prepare += t.prepare;
+    commit += t.commit;
+  }
+  return c_text::step(prepare, commit, start, noise_gain * kRoom, 1.0 / rate_Hz, kEvaluations - 2);
+}
+
 }  // namespace
 
 std::string input_in_words(const Model& model) {
@@ -127,119 +256,21 @@ std::string input_in_words(const Model& model) {
 }
 
 Result<Compensator> make_compensator(const Model& model, const CompensatorOptions& options) {
+  constexpr int kBesideEvaluation = 7;  // operations
+  FORCEGATE_TRY(const std::vector<CTerm> terms, terms_of(model, options));
+  const Together all(terms);
+  FORCEGATE_CHECK_OK(check_can_be_inverted(terms, all.slope));
   Compensator out;
   out.id = short_id(model);
-  CTermContext context;
-  context.rate_Hz = options.rate_Hz;
-  context.span_N = model.frame.span_N;
-  context.lowest_N = std::isfinite(model.frame.lowest_N) ? model.frame.lowest_N : 0.0;
-  context.reference_temperature_C = std::isfinite(model.frame.temperature_C) ? model.frame.temperature_C : options.reference_temperature_C;
-  std::vector<CTerm> terms;
-  for (const ModelEffect& e : merged(model.effects)) {
-    context.id = fmt::format("e{}", terms.size());
-    FORCEGATE_TRY(CTerm term, c_term(e, context));
-    if (!term.value.empty()) terms.push_back(std::move(term));
-  }
-  for (const UserEffect& e : model.user_effects) {
-    context.id = fmt::format("e{}", terms.size());
-    FORCEGATE_TRY(CTerm term, c_term(e, context));
-    terms.push_back(std::move(term));
-  }
-  double slope = 1.0;
-  bool needs_exp = false, needs_ln = false, needs_sqrt = false, needs_tanh = false, needs_pow = false, needs_power = false;
-  int once = 40, each = 6;
-  out.state_bytes = 48;
-  for (const CTerm& t : terms) {
-    slope += t.slope_min;
-    once += t.once;
-    each += t.each + 1;
-    out.state_bytes += t.bytes;
-    needs_exp |= t.needs_exp || t.needs_tanh;
-    needs_ln |= t.needs_ln;
-    needs_sqrt |= t.needs_sqrt;
-    needs_tanh |= t.needs_tanh;
-    needs_pow |= t.needs_pow;
-    needs_power |= t.needs_power;
-    out.needs_temperature |= t.needs_temperature;
-    out.effects.push_back(t.title);
-  }
-  if (slope < kLeastSlope) {
-    std::string steepest = "the model", falls;
-    double least = 0.0;
-    for (const CTerm& t : terms)
-      if (t.slope_min < least) least = t.slope_min, steepest = t.title.substr(0, t.title.find(':')), falls = t.falls;
-    if (!falls.empty())
-      return c_terms::refuse(steepest, falls, "export a model file without this effect, or give it an equation that grows with the force");
-    return fail(
-        ErrorCode::config,
-        fmt::format(
-            "{} cannot be compensated on a microcontroller: it leaves {:.2g} of a sudden change of force in the output, and its "
-            "inverse would amplify noise by more than {:.0f}",
-            steepest, std::max(0.0, slope), 1.0 / kLeastSlope),
-        steepest, "filter the reference alike, or accept the lag");
-  }
-  out.noise_gain = 1.0 / slope;
-  out.operations = once + kEvaluations * (each + 7);
-
-  std::string h = "/* Compensator of the model \"" + comment(model.name) + "\"";
-  if (!model.sensor.empty()) h += ", " + comment(model.sensor);
-  h += ".\n   Made by forcegate export; do not edit, export again.\n";
-  for (const std::string& line : options.provenance) h += "   " + comment(line) + "\n";
-  h += fmt::format("\n   u = G U + F0 is solved for F:  u = F_low + D (F - F_low)");
-  for (std::size_t k = 0; k < terms.size(); ++k) h += fmt::format(" + e{}(F)", k);
-  h += "\n";
-  if (const std::string input = input_in_words(model); !input.empty()) h += "   U is " + comment(input) + ": no voltage. G is in N/" + comment(model.output_unit) + ".\n";
-  for (std::size_t k = 0; k < terms.size(); ++k) h += fmt::format("   e{}  {}\n", k, comment(terms[k].title));
-  h += fmt::format(
-      "\n   Cost of a sample at {:g} Hz: at most {} floating-point operations (at most {} evaluations of the right side), {} bytes of\n"
-      "   state. No heap, no libm, no double. Noise of one sample is amplified by at most {:.2f} at rest.\n"
-      "   The bits are the same on every processor with IEEE 754 single precision, without contraction into fused operations\n"
-      "   (-ffp-contract=off) and without -ffast-math. */\n",
-      options.rate_Hz, out.operations, kEvaluations, out.state_bytes, out.noise_gain);
-  h +=
-      "#ifndef FORCEGATE_COMPENSATION_H\n#define FORCEGATE_COMPENSATION_H\n\n#include <stdint.h>\n#include <string.h>\n\n"
-      "#ifdef __FAST_MATH__\n#error \"the compensator needs IEEE 754 arithmetic: build without -ffast-math\"\n#endif\n\n";
-  h += fmt::format(
-      "#define FG_COMP_ID \"{}\"\n#define FG_COMP_RATE_HZ {}\n#define FG_COMP_NEEDS_TEMPERATURE {}\n\n",
-      out.id, rate_text(options.rate_Hz), out.needs_temperature ? 1 : 0);
-  h +=
-      "#define FG_COMP_INPUT_UNIT \"" + plain_word(model.output_unit) + "\"\n"
-      "/* The fitted law, for those who calibrate by the model itself: F = G U + F0; b = b_scale (slope f + constant), f in Hz;\n"
-      "   q = q_scale / (1 + curvature A^2), A in N; D = (exp(-b t) + q)/(1 + q). */\n";
-  h += define("FG_COMP_GAIN_N_PER_V", model.law.gain_N_per_V) +
-       define("FG_COMP_OFFSET_N", model.law.offset_N) + define("FG_COMP_B_SLOPE", model.law.b_slope) +
-       define("FG_COMP_B_CONSTANT_PER_S", model.law.b_intercept_per_s) +
-       define("FG_COMP_Q_CURVATURE_PER_N2", model.law.q_curvature) +
-       define("FG_COMP_B_SCALE", model.law.b_scale) + define("FG_COMP_Q_SCALE", model.law.q_scale) + "\n";
-  h += c_text::elementary(needs_exp, needs_ln, needs_sqrt, needs_tanh) + c_text::powers(needs_pow, needs_power);
-  h += "typedef struct {\n"
-       "  float u_N, shrink, low_N, temperature_C, t_s; /* of this sample */\n"
-       "  float force_N;                                /* found */\n"
-       "  float turn_u_N, turn_e_N, at_floor_N;         /* what the effects added at the last trough */\n"
-       "  int running, falling;\n"
-       "  uint32_t samples;\n";
-  for (const CTerm& t : terms) h += t.state;
-  h += "} FgComp;\n\n";
-  for (std::size_t k = 0; k < terms.size(); ++k)
-    if (!terms[k].constants.empty())
-      h += fmt::format("/* e{} {} */\n", k, comment(terms[k].title)) + terms[k].constants + "\n";
-  h += "static inline void fg_comp_reset(FgComp* c) { memset(c, 0, sizeof *c); }\n\n";
-  h += calibration_text(options.calibration);
-  h += "static inline float fg_comp_added(const FgComp* c, float F) {\n"
-       "  const float W = c->low_N + c->shrink * (F - c->low_N);\n"
-       "  float e = 0.0f;\n";
-  for (const CTerm& t : terms) h += "  e += " + t.value + ";\n";
-  h += "  (void)W, (void)c, (void)F;\n  return e;\n}\n\n";
-  h += c_text::residual();
-  std::string prepare, commit, start = "c->force_N";
-  for (const CTerm& t : terms) {
-    if (!t.start.empty()) start = t.start;
-    prepare += t.prepare;
-    commit += t.commit;
-  }
-  h += c_text::step(prepare, commit, start, out.noise_gain * 1.05, 1.0 / options.rate_Hz, kEvaluations - 2);
-  h += "#endif\n";
-  out.header = std::move(h);
+  for (const CTerm& t : terms) out.effects.push_back(t.title);
+  out.needs_temperature = all.temperature;
+  out.state_bytes = all.state_bytes;
+  out.noise_gain = 1.0 / all.slope;
+  out.operations = all.once + kEvaluations * (all.each + kBesideEvaluation);
+  out.header = opening_comment(model, options, terms, out) + definitions(model, options.rate_Hz, out) +
+               c_text::elementary(all.exp, all.ln, all.sqrt, all.tanh) + c_text::powers(all.pow, all.power) + state_and_constants(terms) +
+               calibration_text(options.calibration) + added_by_effects(terms) + c_text::residual() +
+               step_of_sample(terms, options.rate_Hz, out.noise_gain) + "#endif\n";
   return out;
 }
 
