@@ -111,9 +111,6 @@ Result<Calibrated> calibrate_reference(const CalibrateRequest& q, const Guide& g
                 fmt::format("the heaviest mass is {:.2f} N, the bench stands {:.2f} N", heaviest_N,
                             bench.limits.force_max_N),
                 q.bench.string(), "leave it out");
-  const std::string adapter = bench.reference_adapter;
-  const ConfigNode* scale = bench.table("reference").find("counts_per_force");
-  const double counts = scale != nullptr ? scale->number : 0.0;
   const bool twins = bench.twins;
   FORCEGATE_TRY(const auto s, BenchSession::make(std::move(bench), q.options));
   FORCEGATE_CHECK_OK(s->open());
@@ -145,7 +142,7 @@ Result<Calibrated> calibrate_reference(const CalibrateRequest& q, const Guide& g
                                      line.slope, line.slope * out.u_rel, line.intercept));
   out.findings.push_back(
       fmt::format("deviation from the line: {:.4f} N standard, {:.4f} N at most", line.residual, line.worst));
-  if (adapter == "ati_serial") {
+  if (const double counts = s->reference().facts().counts_per_force; counts > 0.0) {
     out.bench_lines.push_back(fmt::format("counts_per_force = {:.6g}      # in [reference]; was {:.6g}",
                                           counts * line.slope, counts));
   } else {
