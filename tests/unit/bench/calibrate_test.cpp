@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <string>
 #include <utility>
 
@@ -32,6 +33,16 @@ TEST(Calibrate, AScaleIsGivenForTheBenchFileWhereThisSetsItAndNotWhereItIsTheSen
     EXPECT_EQ(sets_scale(*calibrated), set) << bench;
     EXPECT_NEAR(calibrated->line->slope, 1.0, 0.01) << bench;
   }
+}
+
+TEST(Calibrate, AnInterruptEndsTheWaitForALoadToSettle) {
+  CalibrateRequest q = request_of("twin.toml");
+  const std::atomic<bool> stop{true};
+  q.settle_s = 1e9;  // who does not look is here until the test is ended
+  q.stop = &stop;
+  const Result<Calibrated> calibrated = calibrate_reference(q, {});
+  ASSERT_FALSE(calibrated);
+  EXPECT_EQ(calibrated.error().code, ErrorCode::cancelled);
 }
 
 }  // namespace
