@@ -121,7 +121,7 @@ class AtiSerial final : public ReferenceSensor {
   // SA n is a moving average over the controller's own samples, whose rate it does not tell and which is no lower than the stream's:
   // a reading is late by up to half of n - 1 of them.
   ReferenceFacts facts() const override {
-    return {rate_Hz(), 0.5 * options_.average / rate_Hz()};
+    return {rate_Hz(), 0.5 * options_.average / rate_Hz(), options_.counts_per_force};
   }
   std::map<std::string, std::uint64_t> counts() const override {
     return {{"bad records", bad_records_},

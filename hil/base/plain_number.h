@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstddef>
 #include <string>
+#include <string_view>
 
 namespace forcegate {
 
@@ -12,6 +14,9 @@ namespace forcegate {
 inline std::string plain_number(double value) {
   return std::fabs(value) >= 999.5 && std::fabs(value) < 1e12 ? fmt::format("{:.0f}", value) : fmt::format("{:.3g}", value);
 }
+
+/// "1 record", "2 records".
+inline std::string counted(std::size_t n, std::string_view what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); }
 
 /// How people read an error in the unit of its column: volts and newtons in thousandths, siemens and amperes in millionths, ratios in percent,
 /// counts and ohms as they are.

@@ -74,7 +74,8 @@ struct ReferenceReading {
 
 struct ReferenceFacts {
   double rate_Hz = 0.0;
-  double u_time_s = 0.0;  ///< standard uncertainty of ReferenceReading::t_s
+  double u_time_s = 0.0;          ///< standard uncertainty of ReferenceReading::t_s
+  double counts_per_force = 0.0;  ///< scale that the bench file sets; 0: the instrument's own, which only its maker can mend
 };
 
 class ReferenceSensor : public Device {

@@ -56,7 +56,7 @@ std::string largest_error_sentence(const std::vector<ErrorTrace>& errors) {
 }
 
 struct Envelope {
-  std::vector<double> t, low, high;
+  std::vector<double> t_s, low, high;
 };
 
 Envelope envelope(const PlotTrace& trace, int columns) {
@@ -66,15 +66,15 @@ Envelope envelope(const PlotTrace& trace, int columns) {
   if (!(width > 0.0)) return out;
   std::map<int, std::pair<double, double>> cells;
   for (std::size_t i = 0; i < trace.t_s.size(); ++i) {
-    const double f = (trace.t_s[i] - first) / width;
-    if (!std::isfinite(trace.value[i]) || !(f >= 0.0 && f <= 1.0)) continue;
-    const int column = std::min(columns - 1, static_cast<int>(f * columns));
-    const double v = trace.value[i];
-    const auto [at, added] = cells.try_emplace(column, v, v);
-    if (!added) at->second = {std::min(at->second.first, v), std::max(at->second.second, v)};
+    const double along = (trace.t_s[i] - first) / width;
+    if (!std::isfinite(trace.value[i]) || !(along >= 0.0 && along <= 1.0)) continue;
+    const int column = std::min(columns - 1, static_cast<int>(along * columns));
+    const double value = trace.value[i];
+    const auto [at, added] = cells.try_emplace(column, value, value);
+    if (!added) at->second = {std::min(at->second.first, value), std::max(at->second.second, value)};
   }
   for (const auto& [column, range] : cells) {
-    out.t.push_back(first + (column + 0.5) / columns * width);
+    out.t_s.push_back(first + (column + 0.5) / columns * width);
     out.low.push_back(range.first);
     out.high.push_back(range.second);
   }
@@ -93,14 +93,13 @@ PlotTrace difference(const PlotTrace& actual, const PlotTrace& expected) {
   PlotTrace out{"error", actual.unit, actual.t_s, actual.value};
   std::size_t k = 0;
   for (std::size_t i = 0; i < out.t_s.size(); ++i) {
-    const float t = out.t_s[i];
-    while (k + 2 < expected.t_s.size() && expected.t_s[k + 1] <= t) ++k;
+    const float t_s = out.t_s[i];
+    while (k + 2 < expected.t_s.size() && expected.t_s[k + 1] <= t_s) ++k;
     float other = expected.value.empty() ? NAN : expected.value[k];
-    if (k + 1 < expected.t_s.size() && t > expected.t_s[k]) {
-      const float step = expected.t_s[k + 1] - expected.t_s[k];
-      const float f = step > 0.0f ? std::min(1.0f, (t - expected.t_s[k]) / step) : 1.0f;
-      other += f == 1.0f ? expected.value[k + 1] - expected.value[k]
-                         : f * (expected.value[k + 1] - expected.value[k]);
+    if (k + 1 < expected.t_s.size() && t_s > expected.t_s[k]) {
+      const float step_s = expected.t_s[k + 1] - expected.t_s[k], change = expected.value[k + 1] - expected.value[k];
+      const float share = step_s > 0.0f ? std::min(1.0f, (t_s - expected.t_s[k]) / step_s) : 1.0f;
+      other += share == 1.0f ? change : share * change;
     }
     out.value[i] -= other;
   }
@@ -141,14 +140,14 @@ Figure overview_figure(const CaseResult& c) {
   force.show_x_labels = false;
   const auto edges = [&](const PlotTrace* trace, Role role, const std::string& label, double width) {
     if (trace == nullptr) return;
-    const Envelope e = envelope(*trace, kColumns);
-    force.line(e.t, e.high, {role, Dash::solid, width}, label);
-    force.line(e.t, e.low, {role, Dash::solid, width});
+    const Envelope span = envelope(*trace, kColumns);
+    force.line(span.t_s, span.high, {role, Dash::solid, width}, label);
+    force.line(span.t_s, span.low, {role, Dash::solid, width});
   };
   if (fast) {
     if (s.ati) {
-      const Envelope e = envelope(*s.ati, kColumns);
-      force.band(e.t, e.low, e.high, Role::muted, s.reference, 0.28);
+      const Envelope span = envelope(*s.ati, kColumns);
+      force.band(span.t_s, span.low, span.high, Role::muted, s.reference, 0.28);
     }
     edges(s.raw, Role::raw, "raw sensor", 1.1);
     edges(s.firmware, Role::firmware, "firmware", 1.4);
@@ -171,7 +170,7 @@ Figure overview_figure(const CaseResult& c) {
       continue;
     }
     const Envelope span = envelope(e.trace, kColumns);
-    error.band(span.t, span.low, span.high, e.role, e.label, errors.size() > 1 ? 0.5 : 0.75);
+    error.band(span.t_s, span.low, span.high, e.role, e.label, errors.size() > 1 ? 0.5 : 0.75);
   }
   error.hline(0.0);
   figure.summary = largest_error_sentence(errors);
@@ -191,24 +190,47 @@ Figure levels_figure(const CaseResult& c) {
   const ExtremaSeries* levels = levels_of(c);
   if (levels == nullptr) return figure;
   std::vector<double> force_N, own_N, model_N;
-  double own = 0.0, model = 0.0;
+  double worst_own_N = 0.0, worst_model_N = 0.0;
   for (std::size_t i = 0; i < levels->expected_N.size(); ++i) {
     force_N.push_back(levels->expected_N[i]);
     own_N.push_back(levels->actual_N[i] - levels->expected_N[i]);
     model_N.push_back(levels->raw_N[i] - levels->expected_N[i]);
-    if (std::abs(own_N.back()) > std::abs(own)) own = own_N.back();
-    if (std::abs(model_N.back()) > std::abs(model)) model = model_N.back();
+    if (std::abs(own_N.back()) > std::abs(worst_own_N)) worst_own_N = own_N.back();
+    if (std::abs(model_N.back()) > std::abs(worst_model_N)) worst_model_N = model_N.back();
   }
   Panel& panel = figure.panel({"Weights", "N"}, {"Error", "N"}, 254.0);
   panel.hline(0.0);
   panel.points(force_N, model_N, {Role::raw, Dash::solid, 1.0, Marker::ring, 3.4}, "conductance model");
   panel.points(force_N, own_N, {Role::firmware, Dash::solid, 1.0, Marker::dot, 3.0}, "firmware");
   figure.summary =
-      "Largest: firmware " + display(own, 2) + " N, conductance model " + display(model, 2) + " N.";
+      "Largest: firmware " + display(worst_own_N, 2) + " N, conductance model " + display(worst_model_N, 2) + " N.";
   return figure;
 }
 
+namespace {
+
+struct DrawnExtrema {
+  std::vector<double> t_s, expected_N, actual_N, raw_N, error_pct;
+};
+
+// The outline of the error, and all extrema where the decay is steep.
+std::vector<std::size_t> drawn_indices(const std::vector<double>& t_s, const std::vector<double>& expected_N,
+                                       const std::vector<double>& actual_N) {
+  constexpr std::size_t kColumns = 18, kSteep = 20;
+  std::vector<double> error_N(t_s.size());
+  for (std::size_t i = 0; i < t_s.size(); ++i) error_N[i] = actual_N[i] - expected_N[i];
+  const std::span<const double> channel = error_N;
+  std::vector<std::size_t> out = m4_indices(t_s, {&channel, 1}, kColumns);
+  for (std::size_t i = 1; i < std::min(t_s.size(), kSteep); ++i) out.push_back(i);
+  std::sort(out.begin(), out.end());
+  out.erase(std::unique(out.begin(), out.end()), out.end());
+  return out;
+}
+
+}  // namespace
+
 Figure decay_figure(const CaseResult& c) {
+  constexpr double kLeastReading_N = 0.5;  // no error in percent of less
   Figure figure("Extrema of " + c.id + " over time", kWidth);
   if (levels_of(c) != nullptr) return figure;
   const bool closed = c.loop == "closed";
@@ -221,43 +243,33 @@ Figure decay_figure(const CaseResult& c) {
   Panel& error = figure.panel({"Time", "s"}, {"Error", "% of reading"}, 78.0);
   error.hline(0.0);
   for (Panel* panel : {&force, &error}) panel->x_axis.low = 0.0, panel->x_axis.high = c.duration_s;
-  double end_s = 0.0, loss_first = NAN, loss_last = NAN;
+  double end_s = 0.0, loss_first_N = NAN, loss_last_N = NAN;  // raw maxima
   for (const ExtremaSeries& e : c.extrema) {
     const std::size_t n = std::min({e.t_s.size(), e.expected_N.size(), e.actual_N.size()});
     const bool maxima = e.name == "maxima";
     const bool has_raw = maxima && e.raw_N.size() >= n;  // the raw minima hold and would only hide the others
-    const std::vector<double> t(e.t_s.begin(), e.t_s.begin() + static_cast<std::ptrdiff_t>(n));
-    const std::vector<double> actual = doubles(e.actual_N), expected = doubles(e.expected_N),
-                              raw = doubles(e.raw_N);
-    std::vector<double> difference_N(n);
-    for (std::size_t i = 0; i < n; ++i) difference_N[i] = actual[i] - expected[i];
-    const std::span<const double> channel = difference_N;
-    std::vector<double> pt, pe, pa, pr, px;
-    std::vector<std::size_t> keep = m4_indices(t, {&channel, 1}, 18);
-    for (std::size_t i = 1; i < std::min<std::size_t>(n, 20); ++i)
-      keep.push_back(i);  // where the decay is steep
-    std::sort(keep.begin(), keep.end());
-    keep.erase(std::unique(keep.begin(), keep.end()), keep.end());
-    for (const std::size_t i : keep) {
-      pt.push_back(t[i]);
-      pe.push_back(expected[i]);
-      pa.push_back(actual[i]);
-      if (has_raw) pr.push_back(raw[i]);
-      px.push_back(std::abs(expected[i]) >= 0.5 ? 100.0 * (actual[i] - expected[i]) / std::abs(expected[i])
-                                                : NAN);
+    const std::vector<double> actual_N = doubles(e.actual_N), expected_N = doubles(e.expected_N), raw_N = doubles(e.raw_N);
+    DrawnExtrema drawn;
+    for (const std::size_t i : drawn_indices({e.t_s.begin(), e.t_s.begin() + static_cast<std::ptrdiff_t>(n)}, expected_N, actual_N)) {
+      const double error_N = actual_N[i] - expected_N[i], reading_N = std::abs(expected_N[i]);
+      drawn.t_s.push_back(e.t_s[i]);
+      drawn.expected_N.push_back(expected_N[i]);
+      drawn.actual_N.push_back(actual_N[i]);
+      if (has_raw) drawn.raw_N.push_back(raw_N[i]);
+      drawn.error_pct.push_back(reading_N >= kLeastReading_N ? 100.0 * error_N / reading_N : NAN);
     }
-    if (pt.empty()) continue;
-    end_s = std::max(end_s, pt.back());
+    if (drawn.t_s.empty()) continue;
+    end_s = std::max(end_s, drawn.t_s.back());
     const auto label = [&](const char* name) { return maxima ? std::string(name) : std::string(); };
     const Marker shape = maxima ? Marker::dot : Marker::ring;
     const double size = maxima ? 2.6 : 3.4;
-    if (has_raw) force.points(pt, pr, {Role::raw, Dash::solid, 1.0, shape, size}, label("raw sensor"));
-    force.points(pt, pe, {closed ? Role::setpoint : Role::reference, Dash::solid, 1.0, shape, size},
+    if (has_raw) force.points(drawn.t_s, drawn.raw_N, {Role::raw, Dash::solid, 1.0, shape, size}, label("raw sensor"));
+    force.points(drawn.t_s, drawn.expected_N, {closed ? Role::setpoint : Role::reference, Dash::solid, 1.0, shape, size},
                  label(closed ? "set-point" : "ATI"));
-    force.points(pt, pa, {closed ? Role::reference : Role::firmware, Dash::solid, 1.0, shape, size},
+    force.points(drawn.t_s, drawn.actual_N, {closed ? Role::reference : Role::firmware, Dash::solid, 1.0, shape, size},
                  label(closed ? "ATI" : "firmware"));
-    error.points(pt, px, {closed ? Role::reference : Role::firmware, Dash::solid, 1.0, shape, size}, e.name);
-    if (maxima && has_raw) loss_first = pr.front(), loss_last = pr.back();
+    error.points(drawn.t_s, drawn.error_pct, {closed ? Role::reference : Role::firmware, Dash::solid, 1.0, shape, size}, e.name);
+    if (maxima && has_raw) loss_first_N = drawn.raw_N.front(), loss_last_N = drawn.raw_N.back();
   }
   if (c.decay.valid) {
     std::vector<double> t, fit;
@@ -272,9 +284,9 @@ Figure decay_figure(const CaseResult& c) {
     figure.summary =
         "Decay rate b = " + typographic_minus(with_uncertainty(c.decay.b_per_s, c.decay.u_b_per_s)) +
         " 1/s; the raw sensor loses " + display(c.decay.loss_pct, 3) + " % of the span of its maxima.";
-  } else if (std::isfinite(loss_first)) {
+  } else if (std::isfinite(loss_first_N)) {
     figure.summary =
-        "The raw maxima go from " + display(loss_first, 3) + " N to " + display(loss_last, 3) + " N.";
+        "The raw maxima go from " + display(loss_first_N, 3) + " N to " + display(loss_last_N, 3) + " N.";
   }
   return figure;
 }
@@ -291,30 +303,30 @@ Figure loop_figure(const CaseResult& c) {
   const std::vector<float>& direction =
       s.setpoint && s.setpoint->value.size() == error.value.size() ? s.setpoint->value : expected->value;
   const std::size_t n = error.value.size(), reach = std::max<std::size_t>(1, n / 400);
-  float x_low = INFINITY, x_high = -INFINITY, e_low = 0.0f, e_high = 0.0f;
+  float force_low = INFINITY, force_high = -INFINITY, error_low = 0.0f, error_high = 0.0f;
   for (std::size_t i = 0; i < n; ++i) {
     if (!std::isfinite(error.value[i]) || !std::isfinite(expected->value[i])) continue;
-    x_low = std::min(x_low, expected->value[i]);
-    x_high = std::max(x_high, expected->value[i]);
-    e_low = std::min(e_low, error.value[i]);
-    e_high = std::max(e_high, error.value[i]);
+    force_low = std::min(force_low, expected->value[i]);
+    force_high = std::max(force_high, expected->value[i]);
+    error_low = std::min(error_low, error.value[i]);
+    error_high = std::max(error_high, error.value[i]);
   }
-  if (!(x_high > x_low)) return figure;
-  const double margin = std::max(1e-3, 0.04 * (e_high - e_low));
-  Density rising{x_low, x_high, e_low - margin, e_high + margin, 46, 30, {}, Role::rising, "\u25b2 rising"};
+  if (!(force_high > force_low)) return figure;
+  const double margin = std::max(1e-3, 0.04 * (error_high - error_low));
+  Density rising{force_low, force_high, error_low - margin, error_high + margin, 46, 30, {}, Role::rising, "\u25b2 rising"};
   rising.count.assign(static_cast<std::size_t>(rising.nx * rising.ny), 0.0);
   Density falling = rising;
   falling.role = Role::falling;
   falling.label = "\u25bc falling";
   for (std::size_t i = reach; i + reach < n; ++i) {
     if (!std::isfinite(error.value[i]) || !std::isfinite(expected->value[i])) continue;
-    const double fx = (expected->value[i] - rising.x_low) / (rising.x_high - rising.x_low);
-    const double fy = (error.value[i] - rising.y_low) / (rising.y_high - rising.y_low);
-    if (!(fx >= 0.0 && fx <= 1.0 && fy >= 0.0 && fy <= 1.0)) continue;
-    const int ix = std::min(static_cast<int>(fx * rising.nx), rising.nx - 1),
-              iy = std::min(static_cast<int>(fy * rising.ny), rising.ny - 1);
-    Density& side = direction[i + reach] >= direction[i - reach] ? rising : falling;
-    side.count[static_cast<std::size_t>(iy * rising.nx + ix)] += 1.0;
+    const double across = (expected->value[i] - rising.x_low) / (rising.x_high - rising.x_low);
+    const double up = (error.value[i] - rising.y_low) / (rising.y_high - rising.y_low);
+    if (!(across >= 0.0 && across <= 1.0 && up >= 0.0 && up <= 1.0)) continue;
+    const int column = std::min(static_cast<int>(across * rising.nx), rising.nx - 1),
+              row = std::min(static_cast<int>(up * rising.ny), rising.ny - 1);
+    Density& branch = direction[i + reach] >= direction[i - reach] ? rising : falling;
+    branch.count[static_cast<std::size_t>(row * rising.nx + column)] += 1.0;
   }
   Panel& panel = figure.panel({closed ? "Set-point" : "ATI", "N"},
                               {closed ? "ATI \u2212 set-point" : "Firmware \u2212 ATI", "N"}, 254.0);
@@ -348,12 +360,12 @@ Figure ratio_figure(const RunResult& result) {
     const auto row = static_cast<double>(ids.end() - std::find(ids.begin(), ids.end(), r.check->id) - 1);
     static constexpr double kJitter[] = {0.0, 0.13, -0.13, 0.26, -0.26};
     const double jitter = kJitter[seen[r.check->id]++ % 5];
-    Marks& m = r.check->verdict == Verdict::pass   ? pass
-               : r.check->verdict != Verdict::fail ? look
-               : r.ratio > kEdge                   ? beyond
-                                                   : fail;
-    m.x.push_back(std::min(r.ratio, kEdge));
-    m.y.push_back(row + jitter);
+    Marks& marks = r.check->verdict == Verdict::pass   ? pass
+                   : r.check->verdict != Verdict::fail ? look
+                   : r.ratio > kEdge                   ? beyond
+                                                       : fail;
+    marks.x.push_back(std::min(r.ratio, kEdge));
+    marks.y.push_back(row + jitter);
   }
   std::vector<std::string> names;
   for (auto it = ids.rbegin(); it != ids.rend(); ++it) names.push_back(shorten(printable_utf8(*it), 30));

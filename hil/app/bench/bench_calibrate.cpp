@@ -21,21 +21,25 @@ constexpr double kSpeed_rad_per_s = 0.5;
 constexpr double kUsableTravel = 0.95;
 constexpr double kLow_rad = 0.1;
 
+/// Lets a moment pass; `seen`: the readings that have come meanwhile.
+Result<void> look(BenchSession& s, const CalibrateRequest& q, std::vector<ReferenceReading>& seen) {
+  if (q.stop != nullptr && q.stop->load()) return fail(ErrorCode::cancelled, "interrupted", q.bench.string());
+  FORCEGATE_CHECK_OK(s.world().advance_to(s.world().now_s() + kLook_s));
+  s.beat();
+  if (s.armed()) FORCEGATE_CHECK_OK(s.motor().read());
+  seen.clear();
+  return s.reference().poll(seen);
+}
+
 /// Mean of the readings of the next seconds; an invalid one ends it.
 Result<CalibrationPoint> average(BenchSession& s, const CalibrateRequest& q, double x, double seconds) {
   CalibrationPoint point{x, 0.0, 0.0, 0};
   double sum = 0.0, squares = 0.0;
   std::vector<ReferenceReading> seen;
-  FORCEGATE_CHECK_OK(s.reference().poll(seen));
+  FORCEGATE_CHECK_OK(s.reference().poll(seen));  // what has come before
   const double until_s = s.world().now_s() + seconds;
   while (s.world().now_s() < until_s) {
-    if (q.stop != nullptr && q.stop->load())
-      return fail(ErrorCode::cancelled, "interrupted", q.bench.string());
-    FORCEGATE_CHECK_OK(s.world().advance_to(s.world().now_s() + kLook_s));
-    s.beat();
-    if (s.armed()) FORCEGATE_CHECK_OK(s.motor().read());
-    seen.clear();
-    FORCEGATE_CHECK_OK(s.reference().poll(seen));
+    FORCEGATE_CHECK_OK(look(s, q, seen));
     for (const ReferenceReading& r : seen) {
       if (r.status != 0)
         return fail(ErrorCode::device, "the reference reports an overload or a fault", "reference",
@@ -53,15 +57,10 @@ Result<CalibrationPoint> average(BenchSession& s, const CalibrateRequest& q, dou
   return point;
 }
 
-Result<void> settle(BenchSession& s, double seconds) {
-  const double until_s = s.world().now_s() + seconds;
+Result<void> settle(BenchSession& s, const CalibrateRequest& q) {
+  const double until_s = s.world().now_s() + q.settle_s;
   std::vector<ReferenceReading> ignored;
-  while (s.world().now_s() < until_s) {
-    FORCEGATE_CHECK_OK(s.world().advance_to(s.world().now_s() + kLook_s));
-    s.beat();
-    if (s.armed()) FORCEGATE_CHECK_OK(s.motor().read());
-    FORCEGATE_CHECK_OK(s.reference().poll(ignored));
-  }
+  while (s.world().now_s() < until_s) FORCEGATE_CHECK_OK(look(s, q, ignored));
   return {};
 }
 
@@ -111,9 +110,6 @@ Result<Calibrated> calibrate_reference(const CalibrateRequest& q, const Guide& g
                 fmt::format("the heaviest mass is {:.2f} N, the bench stands {:.2f} N", heaviest_N,
                             bench.limits.force_max_N),
                 q.bench.string(), "leave it out");
-  const std::string adapter = bench.reference_adapter;
-  const ConfigNode* scale = bench.table("reference").find("counts_per_force");
-  const double counts = scale != nullptr ? scale->number : 0.0;
   const bool twins = bench.twins;
   FORCEGATE_TRY(const auto s, BenchSession::make(std::move(bench), q.options));
   FORCEGATE_CHECK_OK(s->open());
@@ -131,7 +127,7 @@ Result<Calibrated> calibrate_reference(const CalibrateRequest& q, const Guide& g
       FORCEGATE_CHECK_OK(guide(mass_g > 0.0 ? fmt::format("lay {} g on the reference", shortest(mass_g))
                                             : "take everything off the reference"));
     if (hand) FORCEGATE_CHECK_OK(hand->say(fmt::format("load {:.17g}", force_N)));
-    FORCEGATE_CHECK_OK(settle(*s, q.settle_s));
+    FORCEGATE_CHECK_OK(settle(*s, q));
     FORCEGATE_TRY(const CalibrationPoint point, average(*s, q, force_N, q.seconds));
     points.push_back(point);
   }
@@ -145,7 +141,7 @@ Result<Calibrated> calibrate_reference(const CalibrateRequest& q, const Guide& g
                                      line.slope, line.slope * out.u_rel, line.intercept));
   out.findings.push_back(
       fmt::format("deviation from the line: {:.4f} N standard, {:.4f} N at most", line.residual, line.worst));
-  if (adapter == "ati_serial") {
+  if (const double counts = s->reference().facts().counts_per_force; counts > 0.0) {
     out.bench_lines.push_back(fmt::format("counts_per_force = {:.6g}      # in [reference]; was {:.6g}",
                                           counts * line.slope, counts));
   } else {
@@ -184,7 +180,7 @@ Result<Calibrated> calibrate_spring(const CalibrateRequest& q) {
     const double goal =
         low_rad + (top_rad - low_rad) * static_cast<double>(step) / static_cast<double>(q.steps - 1);
     FORCEGATE_CHECK_OK(move_slowly(*s, {goal, kSpeed_rad_per_s, 0.01, q.stop}));
-    FORCEGATE_CHECK_OK(settle(*s, q.settle_s));
+    FORCEGATE_CHECK_OK(settle(*s, q));
     FORCEGATE_TRY(const MotorState state, s->motor().read());
     FORCEGATE_TRY(const CalibrationPoint point,
                   average(*s, q, g.eccentricity_mm * (1.0 - portable::cos(state.theta_rad)), q.seconds));

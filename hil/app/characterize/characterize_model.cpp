@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "hil/app/characterize/characterize.h"
+#include "hil/base/plain_number.h"
 #include "hil/base/text.h"
 #include "hil/model/model.h"
 
@@ -22,8 +23,6 @@ double spread_of(const Spread& s) {
   return std::sqrt(between * between + within * within);
 }
 
-std::string counted(std::size_t n, std::string_view what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); }
-
 void take(const SensorStudy& study, std::string_view key, double& value, double& se) {
   const Spread* s = study.find(key);
   if (s == nullptr || !std::isfinite(s->mean)) return;
@@ -39,7 +38,9 @@ Result<std::string> model_of_study(const SensorStudy& study) {
   model.name = study.sensor + "-characterized";
   std::size_t specimens = 0;
   if (const Spread* g = study.find("static.gain")) specimens = g->specimens;
-  model.source = "forcegate characterize, " + (study.of_recordings ? counted(study.sheets.size(), "recording") : counted(specimens, "specimen") + ", " + counted(study.sheets.size(), "session"));
+  const std::size_t sheets = study.sheets.size();
+  model.source = "forcegate characterize, " + (study.of_recordings ? counted(sheets, "recording")
+                                                                   : counted(specimens, "specimen") + ", " + counted(sheets, "session"));
   if (fsr) model.source += "; static law and one lag are ours, the paper gives no model of the FSR";
   take(study, "static.gain", model.law.gain_N_per_V, model.se_gain);
   take(study, "static.offset", model.law.offset_N, model.se_offset);

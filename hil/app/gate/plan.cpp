@@ -9,6 +9,7 @@
 
 #include "hil/app/files/find_plan.h"
 #include "hil/app/gate/weight_gate.h"
+#include "hil/base/plain_number.h"
 #include "hil/base/text.h"
 #include "hil/gate/case_result.h"
 #include "hil/gate/limits.h"
@@ -207,8 +208,8 @@ Result<PlanEstimate> estimate_named_plan(const std::string& name) {
 }
 
 std::string plan_in_words(const PlanEstimate& e, bool with_times) {
-  const auto many = [](std::size_t n, const char* what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); };
-  std::string out = fmt::format("plan {}: {}, {}, calibration {}, rule {}\n", e.name, many(e.cases.size(), "case"), many(e.records, "record"), e.calibration, e.rule_name);
+  std::string out = fmt::format("plan {}: {}, {}, calibration {}, rule {}\n", e.name, counted(e.cases.size(), "case"),
+                                counted(e.records, "record"), e.calibration, e.rule_name);
   if (!e.doc.empty()) out += e.doc + "\n";
   for (const PlanEstimateRow& row : e.cases) {
     out += fmt::format("  {:<26} {:<6} x {:<3} {}", row.name, row.loop, row.specimens, row.stimulus);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "hil/app/power/power.h"
+#include "hil/base/plain_number.h"
 #include "hil/base/text.h"
 #include "hil/gate/statistics.h"
 
@@ -58,8 +59,7 @@ std::string slip_at_smallest(const FamilyOutcome& f) {
 
 std::string without_conformance(const FamilyOutcome& f) {
   if (f.blind_runs == 0) return "-";
-  return fmt::format("{} ({} run{})", level(f.smallest_blind, f.unit), f.blind_runs,
-                     f.blind_runs == 1 ? "" : "s");
+  return fmt::format("{} ({})", level(f.smallest_blind, f.unit), counted(f.blind_runs, "run"));
 }
 
 // "0.001: 0, 0.01: 20, 0.1: 20", of as many runs each

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "hil/app/characterize/weight_study.h"
+#include "hil/base/plain_number.h"
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
 #include "hil/cli/verbs/force_row.h"
@@ -33,9 +34,8 @@ std::string bench_time(double seconds) {
 }
 
 void print_study(const Console& console, const characterize::SensorStudy& study, std::string& out) {
-  out += console.paint(Paint::strong, study.sensor) + fmt::format(": {} {}{}, {}\n", study.sheets.size(), study.of_recordings ? "recording" : "session",
-                                                                  study.sheets.size() == 1 ? "" : "s",
-                                                                  bench_time(study.rig_time_s));
+  const std::string sheets = counted(study.sheets.size(), study.of_recordings ? "recording" : "session");
+  out += console.paint(Paint::strong, study.sensor) + fmt::format(": {}, {}\n", sheets, bench_time(study.rig_time_s));
   for (const auto& s : study.spreads)
     if (s.n > 0)
       out += fmt::format("  {:<66} {:>10} {:<6} sd {:>8}\n", s.title, short_number(s.mean), s.unit,

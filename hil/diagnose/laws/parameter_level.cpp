@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "hil/base/rng.h"
+#include "hil/base/plain_number.h"
 #include "hil/base/text.h"
 
 namespace forcegate {
@@ -213,7 +214,7 @@ Result<VectorXd> response(const ParameterQuestion& q, std::vector<double>& u) {
 Result<void> check(const ParameterQuestion& q) {
   const std::size_t n = q.value.size();
   if (n < kFewest)
-    return fail(ErrorCode::usage, fmt::format("{} record{} cannot show what {} depends on", n, n == 1 ? "" : "s", q.name), q.name,
+    return fail(ErrorCode::usage, fmt::format("{} cannot show what {} depends on", counted(n, "record"), q.name), q.name,
                 fmt::format("at least {} are needed", kFewest));
   if (!q.u.empty() && q.u.size() != n)
     return fail(ErrorCode::usage, "not every record has an uncertainty", q.name);

@@ -150,7 +150,8 @@ double score_of(const Diagnosis& d, const std::string& effect) {
 
 }  // namespace
 
-Expected expected_odds(const Workspace& w, const Diagnosis& d, const RivalOdds& now, const Rival& leader, const Rival& other, const Imitation& played) {
+Expected expected_odds(const Workspace& w, const Diagnosis& d, const RivalOdds& now, const Rival& leader, const Rival& other,
+                       const Imitation& played) {
   Expected out{now.log_odds, 1.0};
   if (played.forms.empty() || !(played.size > 0.0)) return out;
   double evidence = 1e300, apart = 0.0;
@@ -172,7 +173,8 @@ Expected expected_odds(const Workspace& w, const Diagnosis& d, const RivalOdds& 
     return out;
   }
   // where the rule made them equal, their evidence is not what the odds say
-  const double so_far = w.input.generic ? std::min(now.log_odds * nats_of_a_factor(top), evidence_between(d, leader.kind->name, other.kind->name)) : now.log_odds * nats_of_a_factor(top);
+  double so_far = now.log_odds * nats_of_a_factor(top);
+  if (w.input.generic) so_far = std::min(so_far, evidence_between(d, leader.kind->name, other.kind->name));
   out.log_odds = (so_far + evidence) / nats_of_a_factor(top + with_record);
   return out;
 }

@@ -58,6 +58,7 @@ struct Expected {
   double likeness = 1.0;  ///< cosine of the leader's answer and the nearest that the other has
 };
 /// `now`: of the leader, not below 0. Nothing played: `played` is as default.
-Expected expected_odds(const Workspace& workspace, const Diagnosis& diagnosis, const RivalOdds& now, const Rival& leader, const Rival& other, const Imitation& played);
+Expected expected_odds(const Workspace& workspace, const Diagnosis& diagnosis, const RivalOdds& now, const Rival& leader, const Rival& other,
+                       const Imitation& played);
 
 }  // namespace forcegate::diagnose

@@ -35,7 +35,8 @@ bool is_named(const Diagnosis& d, const std::string& effect) {
   return std::any_of(d.findings.begin(), d.findings.end(), [&](const Finding& f) { return f.effect == effect; });
 }
 
-// Two effects that the answer names neither of are no question of it. What stands among the findings for other reasons is a rival only where the evidence leaves the two open as well.
+// Two effects that the answer names neither of are no question of it. What stands among the findings for other reasons is a rival only where
+// the evidence leaves the two open as well.
 std::optional<RivalOdds> odds_now(const Diagnosis& d, const std::string& first, const std::string& second) {
   if (!is_named(d, first) && !is_named(d, second)) return std::nullopt;
   const std::optional<RivalOdds> now = rival_odds(d, first, second);
@@ -182,7 +183,8 @@ std::string what_would(const std::vector<std::string>& rivals) {
   const auto is_known = [](const std::string& name) { return EffectRegistry::instance().find(name) != nullptr; };
   const auto known = std::ranges::find_if(rivals, is_known);
   if (known == rivals.end()) return {};
-  return (std::ranges::all_of(rivals, is_known) ? "; what would: " : "; what shows " + *known + " as a rule: ") + EffectRegistry::instance().find(*known)->separates;
+  const std::string told = std::ranges::all_of(rivals, is_known) ? "; what would: " : "; what shows " + *known + " as a rule: ";
+  return told + EffectRegistry::instance().find(*known)->separates;
 }
 
 }  // namespace

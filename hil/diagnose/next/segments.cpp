@@ -12,36 +12,123 @@ double triangle(double t, double period, double low, double high) {
   const double phase = std::fmod(t / period, 1.0);
   return low + (high - low) * (phase < 0.5 ? 2.0 * phase : 2.0 - 2.0 * phase);
 }
+
 double sine(double t, double f, double low, double high) {
   return 0.5 * (low + high) - 0.5 * (high - low) * std::cos(2.0 * std::numbers::pi * f * t);
 }
+
 double edge(double t, double at, double from, double to) { return t < at ? from : to + (from - to) * std::exp(-(t - at) / 0.02); }
+
+double edges(double t, double low, double high) {
+  const double in_period = std::fmod(t, 4.0);
+  return in_period < 2.0 ? edge(in_period, 0.5, low, high) : edge(in_period, 2.5, high, low);
+}
+
+ForceCourse hold(double for_s) {
+  return [for_s](double t, double low, double high) { return t > 10.0 && t < 10.0 + for_s ? high : low; };
+}
+
+ForceCourse triangles(double period_s) {
+  return [period_s](double t, double low, double high) { return triangle(t, period_s, low, high); };
+}
+
+ForceCourse triangles(double period_s, double until_s, double then_period_s) {
+  return [=](double t, double low, double high) {
+    return t < until_s ? triangle(t, period_s, low, high) : triangle(t - until_s, then_period_s, low, high);
+  };
+}
+
+ForceCourse sines(double f_Hz, double until_s, double then_f_Hz) {
+  return [=](double t, double low, double high) { return sine(t, t < until_s ? f_Hz : then_f_Hz, low, high); };
+}
+
+double at_low(double, double low, double) { return low; }
+
+double at_middle(double, double low, double high) { return 0.5 * (low + high); }
+
+double two_levels(double t, double low, double high) {
+  return t < 120.0 || t >= 360.0 ? low : t < 240.0 ? at_middle(t, low, high) : high;
+}
+
+double minor_loops(double t, double low, double high) {
+  const double share = 1.0 - std::min(0.9, std::floor(t / 20.0) * 0.11), middle = 0.5 * (low + high);
+  return triangle(t, 20.0, middle - 0.5 * share * (high - low), middle + 0.5 * share * (high - low));
+}
+
+// From 0.05 to 5 Hz in 120 s, by the logarithm.
+double chirp(double t, double low, double high) {
+  const double cycles = 0.05 * 120.0 / std::log(100.0) * (std::pow(100.0, t / 120.0) - 1.0);
+  return sine(1.0, cycles, low, high);
+}
+
+double edges_at_both_loads(double t, double low, double high) {
+  const double from = t < 30.0 ? low : high - 0.25 * (high - low);
+  return edges(t, from, from + 0.25 * (high - low));
+}
+
+double edges_around_a_hold(double t, double low, double high) { return t < 30.0 || t > 930.0 ? edges(t, low, high) : low; }
+
+double touch_and_release(double t, double, double high) { return std::max(0.0, triangle(t, 15.0, -0.05 * high, 0.12 * high)); }
+
+double small_sine(double t, double low, double high) { return sine(t, 0.5, low, low + 0.15 * (high - low)); }
+
+std::vector<Segment> all_segments() {
+  return {
+      {.name = "rest", .stimulus = "rest", .minutes = 2.0, .force = at_low},
+      {.name = "hold for 10 s", .stimulus = "step", .minutes = 0.5, .numbers = {{"hold_s", 10}}, .force = hold(10.0)},
+      {.name = "hold for 100 s, then unload", .stimulus = "step", .minutes = 4.0, .numbers = {{"hold_s", 100}}, .force = hold(100.0)},
+      {.name = "hold for 10 min, then unload", .stimulus = "step", .minutes = 16.0, .numbers = {{"hold_s", 600}}, .force = hold(600.0)},
+      {.name = "holds at two levels", .stimulus = "staircase", .minutes = 8.0, .numbers = {{"hold_s", 120}}, .force = two_levels},
+      {.name = "slow triangle", .stimulus = "ramp", .minutes = 4.0, .numbers = {{"period_s", 120}}, .force = triangles(120.0)},
+      {.name = "triangle", .stimulus = "ramp", .minutes = 1.0, .numbers = {{"period_s", 12}}, .force = triangles(12.0)},
+      {.name = "fast triangle", .stimulus = "ramp", .minutes = 0.5, .numbers = {{"period_s", 1.2}}, .force = triangles(1.2)},
+      {.name = "triangles at two speeds",
+       .stimulus = "ramp",
+       .minutes = 3.0,
+       .numbers = {{"period_s", 120}, {"second_period_s", 6}},
+       .force = triangles(120.0, 120.0, 6.0)},
+      {.name = "shrinking minor loops", .stimulus = "staircase", .minutes = 3.0, .numbers = {{"loops", 8}}, .force = minor_loops},
+      {.name = "chirp", .stimulus = "chirp", .minutes = 2.0, .numbers = {{"f_start_Hz", 0.05}, {"f_end_Hz", 5}}, .force = chirp},
+      {.name = "sines at 0.2 and 4 Hz",
+       .stimulus = "multisine",
+       .minutes = 2.0,
+       .numbers = {{"f1_Hz", 0.2}, {"f2_Hz", 4}},
+       .force = sines(0.2, 60.0, 4.0)},
+      {.name = "fast edges", .stimulus = "step", .minutes = 0.5, .numbers = {{"edge_ms", 20}}, .force = edges},
+      {.name = "fast edges at low and high load",
+       .stimulus = "step",
+       .minutes = 1.0,
+       .numbers = {{"edge_ms", 20}},
+       .force = edges_at_both_loads},
+      {.name = "fast edges at both ends of a long hold",
+       .stimulus = "step",
+       .minutes = 16.0,
+       .numbers = {{"hold_s", 900}},
+       .force = edges_around_a_hold},
+      {.name = "touch and release", .stimulus = "ramp", .minutes = 1.0, .numbers = {{"F_top_N", 0}}, .force = touch_and_release},
+      {.name = "small sine near zero", .stimulus = "sine", .minutes = 1.0, .numbers = {{"f_Hz", 0.5}}, .force = small_sine},
+      {.name = "heat at constant load",
+       .stimulus = "rest",
+       .minutes = 15.0,
+       .numbers = {{"ramp_C", 10}},
+       .force = at_middle,
+       .temperature_C = 10.0},
+      {.name = "repeat of the first ramp", .stimulus = "ramp", .minutes = 2.0, .numbers = {{"period_s", 60}}, .force = triangles(60.0)},
+      {.name = "sine, then a jump of frequency",
+       .stimulus = "jump",
+       .minutes = 6.0,
+       .dynamic = true,
+       .numbers = {{"f1_Hz", 0.5}, {"f2_Hz", 2}},
+       .force = sines(0.5, 180.0, 2.0),
+       .jump_s = 180.0,
+       .jump_log_ratio = std::log(4.0)},
+  };
+}
 
 }  // namespace
 
 const std::vector<Segment>& segments() {
-  static const std::vector<Segment> kSegments = {
-      {"rest", "rest", 2.0, false, {}, [](double, double lo, double) { return lo; }, 0.0},
-      {"hold for 10 s", "step", 0.5, false, {{"hold_s", 10}}, [](double t, double lo, double hi) { return t > 10 && t < 20 ? hi : lo; }, 0.0},
-      {"hold for 100 s, then unload", "step", 4.0, false, {{"hold_s", 100}}, [](double t, double lo, double hi) { return t > 10 && t < 110 ? hi : lo; }, 0.0},
-      {"hold for 10 min, then unload", "step", 16.0, false, {{"hold_s", 600}}, [](double t, double lo, double hi) { return t > 10 && t < 610 ? hi : lo; }, 0.0},
-      {"holds at two levels", "staircase", 8.0, false, {{"hold_s", 120}}, [](double t, double lo, double hi) { return t < 120 ? lo : t < 240 ? 0.5 * (lo + hi) : t < 360 ? hi : lo; }, 0.0},
-      {"slow triangle", "ramp", 4.0, false, {{"period_s", 120}}, [](double t, double lo, double hi) { return triangle(t, 120.0, lo, hi); }, 0.0},
-      {"triangle", "ramp", 1.0, false, {{"period_s", 12}}, [](double t, double lo, double hi) { return triangle(t, 12.0, lo, hi); }, 0.0},
-      {"fast triangle", "ramp", 0.5, false, {{"period_s", 1.2}}, [](double t, double lo, double hi) { return triangle(t, 1.2, lo, hi); }, 0.0},
-      {"triangles at two speeds", "ramp", 3.0, false, {{"period_s", 120}, {"second_period_s", 6}}, [](double t, double lo, double hi) { return t < 120 ? triangle(t, 120.0, lo, hi) : triangle(t - 120, 6.0, lo, hi); }, 0.0},
-      {"shrinking minor loops", "staircase", 3.0, false, {{"loops", 8}}, [](double t, double lo, double hi) { const double k = 1.0 - std::min(0.9, std::floor(t / 20.0) * 0.11), m = 0.5 * (lo + hi); return triangle(t, 20.0, m - 0.5 * k * (hi - lo), m + 0.5 * k * (hi - lo)); }, 0.0},
-      {"chirp", "chirp", 2.0, false, {{"f_start_Hz", 0.05}, {"f_end_Hz", 5}}, [](double t, double lo, double hi) { return sine(1.0, 0.05 * 120.0 / std::log(100.0) * (std::pow(100.0, t / 120.0) - 1.0), lo, hi); }, 0.0},
-      {"sines at 0.2 and 4 Hz", "multisine", 2.0, false, {{"f1_Hz", 0.2}, {"f2_Hz", 4}}, [](double t, double lo, double hi) { return sine(t, t < 60 ? 0.2 : 4.0, lo, hi); }, 0.0},
-      {"fast edges", "step", 0.5, false, {{"edge_ms", 20}}, [](double t, double lo, double hi) { const double p = std::fmod(t, 4.0); return p < 2.0 ? edge(p, 0.5, lo, hi) : edge(p, 2.5, hi, lo); }, 0.0},
-      {"fast edges at low and high load", "step", 1.0, false, {{"edge_ms", 20}}, [](double t, double lo, double hi) { const double p = std::fmod(t, 4.0), m = t < 30 ? lo : hi - 0.25 * (hi - lo), h = m + 0.25 * (hi - lo); return p < 2.0 ? edge(p, 0.5, m, h) : edge(p, 2.5, h, m); }, 0.0},
-      {"fast edges at both ends of a long hold", "step", 16.0, false, {{"hold_s", 900}}, [](double t, double lo, double hi) { const double p = std::fmod(t, 4.0); return t < 30 || t > 930 ? (p < 2.0 ? edge(p, 0.5, lo, hi) : edge(p, 2.5, hi, lo)) : lo; }, 0.0},
-      {"touch and release", "ramp", 1.0, false, {{"F_top_N", 0}}, [](double t, double lo, double hi) { (void)lo; return std::max(0.0, triangle(t, 15.0, -0.05 * hi, 0.12 * hi)); }, 0.0},
-      {"small sine near zero", "sine", 1.0, false, {{"f_Hz", 0.5}}, [](double t, double lo, double hi) { return sine(t, 0.5, lo, lo + 0.15 * (hi - lo)); }, 0.0},
-      {"heat at constant load", "rest", 15.0, false, {{"ramp_C", 10}}, [](double, double lo, double hi) { return 0.5 * (lo + hi); }, 10.0},
-      {"repeat of the first ramp", "ramp", 2.0, false, {{"period_s", 60}}, [](double t, double lo, double hi) { return triangle(t, 60.0, lo, hi); }, 0.0},
-      {"sine, then a jump of frequency", "jump", 6.0, true, {{"f1_Hz", 0.5}, {"f2_Hz", 2}}, [](double t, double lo, double hi) { return sine(t, t < 180 ? 0.5 : 2.0, lo, hi); }, 0.0, 180.0, std::log(4.0)},
-  };
+  static const std::vector<Segment> kSegments = all_segments();
   return kSegments;
 }
 
@@ -51,31 +138,33 @@ std::map<std::string, double> numbers_of(const Segment& segment, const RecordInp
   return out;
 }
 
-RecordInput simulate(const Workspace& w, const Segment& s) {
-  RecordInput r;
-  r.name = s.name;
-  const double low = w.input.lowest_N + 0.05 * w.input.range_N, high = w.input.lowest_N + 0.95 * w.input.range_N;
-  const double fast = 0.005;
-  const auto per_row = std::max(4, static_cast<int>(std::ceil(60.0 * s.minutes / fast / 6000.0)));
-  const auto n_rows = static_cast<std::size_t>(60.0 * s.minutes / fast / per_row);
-  r.row_step_s = fast * per_row;
-  r.duration_s = 60.0 * s.minutes;
-  r.dynamic = s.dynamic;
+namespace {
+
+struct Levels {
+  double low = 0.0, high = 0.0;  // N
+};
+
+constexpr double kStep_s = 0.005;
+constexpr double kEdge = 0.05;  // of the campaign's range, left out at either end
+
+// Rows of at least four samples, 6000 of them at most.
+void play(const Segment& s, const Levels& levels, RecordInput& r) {
+  const auto per_row = std::max(4, static_cast<int>(std::ceil(60.0 * s.minutes / kStep_s / 6000.0)));
+  const auto n_rows = static_cast<std::size_t>(60.0 * s.minutes / kStep_s / per_row);
+  r.row_step_s = kStep_s * per_row;
   for (std::size_t i = 0; i <= n_rows; ++i) r.row_begin.push_back(static_cast<std::uint32_t>(i * static_cast<std::size_t>(per_row)));
   for (std::size_t i = 0; i < n_rows; ++i) {
     double F = 0.0, t = 0.0;
     for (int k = 0; k < per_row; ++k) {
-      const double at = fast * static_cast<double>(i * static_cast<std::size_t>(per_row) + static_cast<std::size_t>(k));
+      const double at = kStep_s * static_cast<double>(i * static_cast<std::size_t>(per_row) + static_cast<std::size_t>(k));
       r.fast_t_s.push_back(at);
-      r.fast_F_N.push_back(s.force(at, low, high));
+      r.fast_F_N.push_back(s.force(at, levels.low, levels.high));
       F += r.fast_F_N.back();
       t += at;
     }
     r.F_N.push_back(F / per_row);
     r.t_s.push_back(t / per_row);
   }
-  r.U_V = r.F_N;
-  for (double& u : r.U_V) u *= w.gain_V_per_N;
   r.ok.assign(n_rows, 1);
   r.rate_N_per_s.assign(n_rows, 0.0);
   r.travel_N.assign(n_rows, 0.0);
@@ -83,6 +172,30 @@ RecordInput simulate(const Workspace& w, const Segment& s) {
     r.rate_N_per_s[i] = (r.F_N[i] - r.F_N[i - 1]) / r.row_step_s;
     r.travel_N[i] = r.travel_N[i - 1] + std::abs(r.F_N[i] - r.F_N[i - 1]);
   }
+}
+
+// Of an eccentric that presses from one level to the other in half a turn.
+void add_angle(const Levels& levels, RecordInput& r) {
+  for (std::size_t i = 0; i < r.rows(); ++i) {
+    const double share = (r.F_N[i] - levels.low) / std::max(1e-9, levels.high - levels.low);
+    const double theta_rad = std::acos(std::clamp(1.0 - 2.0 * share, -1.0, 1.0));
+    r.theta_rad.push_back(r.rate_N_per_s[i] < 0.0 ? -theta_rad : theta_rad);
+    r.sin_theta.push_back(std::sin(r.theta_rad.back()));
+    r.cos_theta.push_back(std::cos(r.theta_rad.back()));
+  }
+}
+
+}  // namespace
+
+RecordInput simulate(const Workspace& w, const Segment& s) {
+  const Levels levels{w.input.lowest_N + kEdge * w.input.range_N, w.input.lowest_N + (1.0 - kEdge) * w.input.range_N};
+  RecordInput r;
+  r.name = s.name;
+  r.duration_s = 60.0 * s.minutes;
+  r.dynamic = s.dynamic;
+  play(s, levels, r);
+  r.U_V = r.F_N;
+  for (double& u : r.U_V) u *= w.gain_V_per_N;
   const RecordInput& last = w.input.records.back();
   r.index = r.recording = w.input.records.size();
   r.start_s = last.start_s + last.duration_s + 600.0;
@@ -90,19 +203,13 @@ RecordInput simulate(const Workspace& w, const Segment& s) {
   r.drive_mean_V = last.drive_mean_V;
   if (w.input.has_temp) {
     const double T = last.temp_C.empty() ? 23.0 : last.temp_C.back();
-    for (std::size_t i = 0; i < n_rows; ++i)
-      r.temp_C.push_back(T + s.temperature_C * static_cast<double>(i) / static_cast<double>(n_rows));
+    for (std::size_t i = 0; i < r.rows(); ++i)
+      r.temp_C.push_back(T + s.temperature_C * static_cast<double>(i) / static_cast<double>(r.rows()));
   }
-  if (w.input.has_theta)
-    for (std::size_t i = 0; i < n_rows; ++i) {
-      r.theta_rad.push_back((r.rate_N_per_s[i] < 0.0 ? -1.0 : 1.0) *
-                            std::acos(std::clamp(1.0 - 2.0 * (r.F_N[i] - low) / std::max(1e-9, high - low), -1.0, 1.0)));
-      r.sin_theta.push_back(std::sin(r.theta_rad.back()));
-      r.cos_theta.push_back(std::cos(r.theta_rad.back()));
-    }
-  r.F_min_N = s.dynamic ? low : 0.0;
+  if (w.input.has_theta) add_angle(levels, r);
+  r.F_min_N = s.dynamic ? levels.low : 0.0;
   r.f_Hz = s.dynamic ? 0.5 : 0.0;
-  r.A_N = 0.5 * (high - low);
+  r.A_N = 0.5 * (levels.high - levels.low);
   if (s.jump_log_ratio != 0.0) {
     r.frequency_jumps_s = {s.jump_s};
     r.jump_log_ratio = {s.jump_log_ratio};

@@ -1,6 +1,7 @@
 #pragma once
 // S8: pieces of rig time that a next experiment may be made of.
 
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -9,14 +10,16 @@
 
 namespace forcegate::diagnose {
 
+/// Force at t between two levels of the campaign's range, N.
+using ForceCourse = std::function<double(double t_s, double low_N, double high_N)>;
+
 struct Segment {
-  const char* name;
-  const char* stimulus;
-  double minutes;
-  bool dynamic;
-  std::map<std::string, double> numbers;
-  double (*force)(double t, double low, double high);  ///< N
-  double temperature_C;  ///< ramp over the segment, when the rig can heat
+  std::string name, stimulus;
+  double minutes = 0.0;
+  bool dynamic = false;
+  std::map<std::string, double> numbers{};
+  ForceCourse force;
+  double temperature_C = 0.0;                 ///< ramp over the segment, when the rig can heat
   double jump_s = 0.0, jump_log_ratio = 0.0;  ///< where the frequency of its cycles changes, ln(f2/f1); 0: nowhere
 };
 

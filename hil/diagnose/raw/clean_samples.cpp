@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "hil/diagnose/raw/denoise.h"
+#include "hil/diagnose/raw/hum_claim.h"
 #include "hil/diagnose/raw/mains_removal.h"
 #include "hil/diagnose/raw/reference_scatter.h"
 #include "hil/diagnose/raw/smoothed_reference.h"

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "hil/diagnose/raw/hum_claim.h"
 #include "hil/diagnose/raw/mains_line.h"
 
 namespace forcegate::diagnose {

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "hil/base/plain_number.h"
 #include "hil/report/characterization/paper_tables.h"
 #include "hil/report/figures/text.h"
 #include "hil/report/html_page.h"
@@ -26,8 +27,6 @@ constexpr Section kSections[] = {
     {"recovery.", "Recovery at rest"},  {"identified.", "Identified decay"},
     {"control.", "Force control"},      {"tms.", "Robotised TMS"},
     {"recording.", "Recordings"}};
-
-std::string counted(std::size_t n, std::string_view what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); }
 
 std::string number(double v, const char* style = "n") {
   return fmt::format("<td class=\"{}\">{}</td>", style, escape(figures::display(v, 3)));

@@ -15,6 +15,7 @@ class AtiController final : public ReferenceTwin {
  public:
   AtiController(const ReferenceTwinOptions& p, Wire& wire) : p_(p), wire_(wire) {}
 
+  std::string_view name() const override { return "ATI serial"; }
   void serve(WireEnd& end, double t_s) override;
   /// One row of the plant: sends the records whose last bit leaves the line until then.
   void row(double t_s, double force_N, bool saturated) override;

@@ -16,6 +16,7 @@ namespace forcegate::emulated {
 class DigitalFt final : public ReferenceTwin, private RegisterBank {
  public:
   DigitalFt(const ReferenceTwinOptions& o, Wire& wire);
+  std::string_view name() const override { return "ATI digital"; }
   void serve(WireEnd& end, double t_s) override;
   void row(double t_s, double force_N, bool saturated) override;
   void restart_clock(double t_s) override { next_s_ = t_s; }

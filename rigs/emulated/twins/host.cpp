@@ -79,15 +79,17 @@ Result<void> TwinHost::open(const std::filesystem::path& folder) {
   FORCEGATE_TRY(const sockaddr_un address, free_control_address(path));
   published_ = {path, folder / options_.board_port};
   published_.push_back(folder / (options_.tcp ? "motor.port" : options_.motor_port));
-  for (const std::string& name : options_.reference.adapter == "ati_netft" ? std::vector<std::string>{"reference.udp", "reference.port"} : std::vector<std::string>{options_.reference_port})
-    published_.push_back(folder / name);
+  if (reference_->is_on_network())
+    published_.insert(published_.end(), {folder / "reference.udp", folder / "reference.port"});
+  else
+    published_.push_back(folder / options_.reference_port);
   if (options_.tcp) {
     FORCEGATE_TRY(tcp_port_, motor_wire_.open_server(options_.tcp_port));
     std::ofstream(folder / "motor.port") << tcp_port_ << '\n';
   } else {
     FORCEGATE_CHECK_OK(motor_wire_.open_terminal(folder / options_.motor_port));
   }
-  if (options_.reference.adapter == "ati_netft") {
+  if (reference_->is_on_network()) {
     FORCEGATE_TRY(const int udp, reference_wire_.open_datagrams(options_.reference.udp_port));
     FORCEGATE_TRY(const int page, page_wire_.open_server(options_.reference.http_port));
     std::ofstream(folder / "reference.udp") << udp << '\n';
@@ -109,11 +111,9 @@ Result<void> TwinHost::open(const std::filesystem::path& folder) {
 std::vector<std::string> TwinHost::endpoints() const {
   return {options_.tcp ? fmt::format("motor      Modbus TCP   127.0.0.1:{}", tcp_port_)
                        : fmt::format("motor      Modbus RTU   {}", (folder_ / options_.motor_port).string()),
-          options_.reference.adapter == "ati_netft"
-              ? fmt::format("reference  Net F/T      ports in {}", (folder_ / "reference.udp").string())
-              : fmt::format("reference  ATI {} {}",
-                            options_.reference.adapter == "ati_digital" ? "digital" : "serial ",
-                            (folder_ / options_.reference_port).string()),
+          reference_->is_on_network()
+              ? fmt::format("reference  {:<12} ports in {}", reference_->name(), (folder_ / "reference.udp").string())
+              : fmt::format("reference  {:<11} {}", reference_->name(), (folder_ / options_.reference_port).string()),
           fmt::format("board      link         {}", (folder_ / options_.board_port).string()),
           fmt::format("control    text lines   {}", (folder_ / "control").string())};
 }

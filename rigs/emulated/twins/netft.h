@@ -11,6 +11,8 @@ namespace forcegate::emulated {
 class NetFt final : public ReferenceTwin {
  public:
   NetFt(const ReferenceTwinOptions& o, Wire& wire) : o_(o), wire_(wire) {}
+  std::string_view name() const override { return "Net F/T"; }
+  bool is_on_network() const override { return true; }
   void serve(WireEnd& end, double t_s) override;
   void row(double t_s, double force_N, bool saturated) override;
   void restart_clock(double t_s) override { next_s_ = t_s; }

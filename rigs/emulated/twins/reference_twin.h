@@ -2,6 +2,8 @@
 // What the plant does with whichever reference sensor is on the bench.
 
 #include <memory>
+#include <string>
+#include <string_view>
 
 #include "rigs/emulated/twins/wire.h"
 
@@ -10,6 +12,10 @@ namespace forcegate::emulated {
 class ReferenceTwin {
  public:
   virtual ~ReferenceTwin() = default;
+  /// "ATI serial": what a person calls it.
+  virtual std::string_view name() const = 0;
+  /// Datagrams and a web page instead of a terminal.
+  virtual bool is_on_network() const { return false; }
   /// Understands what the harness has sent.
   virtual void serve(WireEnd& end, double t_s) = 0;
   /// One row of the plant: sends the records that are complete until then.

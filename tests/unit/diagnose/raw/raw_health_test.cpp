@@ -1,6 +1,7 @@
 #include <limits>
 #include <numbers>
 
+#include "hil/diagnose/raw/hum_claim.h"
 #include "tests/unit/diagnose/made_campaign.h"
 
 namespace forcegate::diagnose {

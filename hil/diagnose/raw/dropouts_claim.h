@@ -1,0 +1,16 @@
+#pragma once
+// Whether samples of the output are lost: missing, held, silent or at the low end while the force goes on.
+
+#include <optional>
+#include <vector>
+
+#include "hil/diagnose/raw/health_claims.h"
+#include "hil/diagnose/raw/health_totals.h"
+
+namespace forcegate::diagnose {
+
+/// `missing_codes`: runs of one value are codes that the converter holds (held_codes.h), taken off `totals.held` already.
+std::optional<HealthClaim> claim_of_dropouts(const std::vector<RecordHealth>& health, const HealthTotals& totals, const HealthScales& scales,
+                                             bool missing_codes);
+
+}  // namespace forcegate::diagnose

@@ -1,0 +1,55 @@
+#include "hil/diagnose/raw/hum_claim.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "hil/base/quantile.h"
+#include "hil/diagnose/raw/mains_line.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+bool shows_line_of(const RecordHealth& h, const HealthScales& scales, double mains_Hz) {
+  return may_be_of_mains(h.hum_Hz, mains_Hz, h.rate_Hz) && shows_hum(h, scales);
+}
+
+}  // namespace
+
+bool shows_hum(const RecordHealth& h, const HealthScales& scales) {
+  constexpr double kMatters = 4e-4;  // of the range
+  return h.hum_ratio > kPlainLine && h.hum_V > kMatters * scales.U_range_V;
+}
+
+RecordsOfHum records_of_hum(const std::vector<RecordHealth>& health, const HealthScales& scales, double mains_Hz) {
+  RecordsOfHum out;
+  for (const RecordHealth& h : health) {
+    out.show += shows_line_of(h, scales, mains_Hz) ? 1 : 0;
+    out.can_show += h.hum_ratio > 0.0 && can_show_mains(mains_Hz, h.rate_Hz) ? 1 : 0;
+  }
+  return out;
+}
+
+bool is_hum(const RecordsOfHum& records) {
+  constexpr std::size_t kSeveral = 2;
+  return records.show > 0 && records.show >= std::min(kSeveral, records.can_show) && 2 * records.show >= records.can_show;
+}
+
+std::optional<HealthClaim> claim_of_hum(const std::vector<RecordHealth>& health, const HealthScales& scales) {
+  for (const double mains_Hz : kMains_Hz) {
+    if (!is_hum(records_of_hum(health, scales, mains_Hz))) continue;
+    std::vector<double> amplitude_V, line_Hz;
+    for (const RecordHealth& h : health)
+      if (shows_line_of(h, scales, mains_Hz)) {
+        amplitude_V.push_back(h.hum_V);
+        line_Hz.push_back(h.hum_Hz);
+      }
+    const double middle_V = quantile(amplitude_V, 0.5);
+    return HealthClaim{"hum", 0.95, fmt::format("a line at {:.4g} Hz stands in the output and not in the force", quantile(line_Hz, 0.5)),
+                       "amplitude_V", scales.unit, middle_V, 0.1 * middle_V};
+  }
+  return std::nullopt;
+}
+
+}  // namespace forcegate::diagnose
