@@ -30,7 +30,7 @@ std::optional<Partner> partner_of(const CampaignInput& input, ResidualChannel& c
                                   const std::vector<std::string>& taken, const ScreenResult& result, const FamilyScore& first,
                                   const SelectionRules& rules, unsigned threads) {
   constexpr std::size_t kMost = 2;
-  constexpr double kTogether = 0.9;  // of what is left
+  constexpr double kTogether = 0.9, kOfLookAlikes = 0.95;  // of what is left
   const double excess = excess_mean_square(channel, result.base);
   Partner out;
   const std::vector<int> columns_of_base = with_family(channel, present, first);
@@ -38,7 +38,8 @@ std::optional<Partner> partner_of(const CampaignInput& input, ResidualChannel& c
   if (!out.beside.base.valid) return std::nullopt;
   for (out.place = 0; out.place < std::min(kMost, out.beside.families.size()); ++out.place) {
     FamilyScore& second = out.beside.families[out.place];
-    if (second.kind->traits.between_records || look_alike(*first.kind, *second.kind) || second.best.wrong_sign || second.gain < rules.later_gain) continue;
+    const bool alike = look_alike(*first.kind, *second.kind), are_of_time = first.kind->traits.timing && second.kind->traits.timing;
+    if (second.kind->traits.between_records || (alike && are_of_time) || second.best.wrong_sign || second.gain < rules.later_gain) continue;
     SpareRoom room(channel);
     refine_family(input, channel, columns_of_base, out.beside.base, second, threads);
     out.chosen = as_chosen(input, channel, out.beside.base, second, rules);
@@ -49,7 +50,7 @@ std::optional<Partner> partner_of(const CampaignInput& input, ResidualChannel& c
     const ChosenEffect beside_second = as_chosen(input, channel, without.base, again, rules);
     const double removed = std::sqrt(std::max(1e-18, excess - excess_mean_square(channel, without.base)));
     if (again.kind != first.kind || objection(channel, without, again, beside_second, {out.chosen}, removed, rules).why != Refusal::none ||
-        excess_mean_square(channel, again.best.fit) >= (1.0 - kTogether) * excess)
+        excess_mean_square(channel, again.best.fit) >= (1.0 - (alike ? kOfLookAlikes : kTogether)) * excess)
       continue;
     room.keep();
     return out;
