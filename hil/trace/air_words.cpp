@@ -117,7 +117,7 @@ bool is_temperature(const Place& p) {
 }
 
 bool is_humidity(const Place& p) {
-  const std::initializer_list<std::string_view> kHumidity = {"rh", "humidity", "humid", "humidit", "moisture"};
+  const std::initializer_list<std::string_view> kHumidity = {"rh", "humidity", "humid", "moisture"};
   const bool of_percent = p.follows(1, {"%", "percent", "pct"});
   if (of_percent && p.follows(2, {"r"}) && p.follows(3, {"h"})) return true;
   return (p.stands_before(of_percent ? 3 : 1, kHumidity) && !p.follows(1, {"/"})) || (of_percent && p.stands_behind(3, kHumidity));

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "hil/base/rng.h"
 #include "hil/base/plain_number.h"
+#include "hil/base/rng.h"
 #include "hil/base/text.h"
 
 namespace forcegate {

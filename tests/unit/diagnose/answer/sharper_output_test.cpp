@@ -35,6 +35,8 @@ TEST(SharperOutput, AMassBetweenReferenceAndSensorIsNoLateReference) {
   EXPECT_EQ(d.verdict, DiagnosisVerdict::unknown) << told(d);
   ASSERT_FALSE(d.follows.empty()) << told(d);
   EXPECT_NE(d.follows.front().find("sharper than the reference"), std::string::npos) << told(d);
+  ASSERT_FALSE(d.maps.empty());
+  EXPECT_GT(d.maps.front().share, 0.1) << "the map shows what was forgiven";
 }
 
 TEST(SharperOutput, ALateReferenceIs) {
