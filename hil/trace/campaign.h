@@ -20,6 +20,7 @@ struct BenchFacts {
   double voltage_min_V = kMissing, voltage_max_V = kMissing;
   double force_min_N = kMissing, force_max_N = kMissing;
   double reference_resolution_N = kMissing, reference_noise_N = kMissing;
+  double reference_lowpass_Hz = kMissing;  ///< corner of a filter that only F_ref goes through
   int adc_bits = 0;
   std::string law;
 };

@@ -23,7 +23,7 @@ using Json = nlohmann::json;
 namespace fs = std::filesystem;
 
 const std::vector<std::string> kCampaignKeys = {"campaign", "sensor", "bench", "records"};
-const std::vector<std::string> kBenchKeys = {"spring_N_per_mm", "law", "voltage_range_V", "force_range_N", "reference_resolution_N", "reference_noise_N", "adc_bits"};
+const std::vector<std::string> kBenchKeys = {"spring_N_per_mm", "law", "voltage_range_V", "force_range_N", "reference_resolution_N", "reference_noise_N", "reference_lowpass_Hz", "adc_bits"};
 const std::vector<std::string> kRecordKeys = {"file", "kind", "role", "fs_Hz", "start_s", "rest_before_s", "excitation_start_s", "dynamic", "f_min_Hz", "A_N", "m_N", "drive_V", "mounting",
                                               "eccentricity_mm", "preload_mm", "temp_C", "temperature_C", "humidity_pct", "rh_pct", "RH_pct"};
 
@@ -125,6 +125,7 @@ Result<BenchFacts> bench_of(const Json& object, const Source& source) {
   FORCEGATE_CHECK_OK(m.range("voltage_range_V", bench.voltage_min_V, bench.voltage_max_V));
   FORCEGATE_CHECK_OK(m.range("force_range_N", bench.force_min_N, bench.force_max_N));
   FORCEGATE_CHECK_OK(m.text("law", bench.law));
+  FORCEGATE_CHECK_OK(m.number("reference_lowpass_Hz", into(bench.reference_lowpass_Hz)));
   std::optional<double> bits;
   FORCEGATE_CHECK_OK(m.number("adc_bits", [&](double v) { bits = v; }));
   if (bits && !(*bits >= 1 && *bits <= 32 && *bits == std::floor(*bits)))
@@ -132,6 +133,7 @@ Result<BenchFacts> bench_of(const Json& object, const Source& source) {
   bench.adc_bits = static_cast<int>(bits.value_or(0.0));
   if (bench.reference_noise_N < 0.0) return m.wrong("reference_noise_N", "must not be negative", "it is a standard deviation; leave it out when it is not known");
   if (bench.reference_resolution_N < 0.0) return m.wrong("reference_resolution_N", "must not be negative", "leave it out when it is not known");
+  if (bench.reference_lowpass_Hz <= 0.0) return m.wrong("reference_lowpass_Hz", "must be above 0", "it is the corner of a filter that only F_ref goes through; leave it out when there is none");
   if (bench.spring_N_per_mm <= 0.0) return m.wrong("spring_N_per_mm", "must be above 0", "leave it out when it is not known");
   return bench;
 }

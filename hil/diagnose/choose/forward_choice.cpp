@@ -21,7 +21,7 @@ class ForwardChoice {
  public:
   ForwardChoice(const CampaignInput& input, ResidualChannel& channel, const Given& given, const std::vector<std::string>& skip,
                 const SelectionRules& rules, unsigned threads)
-      : input_(input), channel_(channel), rules_(rules), threads_(threads), allowed_latency_s_(allowed_latency_s(input)), base_(given.base), carried_(given.base), taken_(skip) {
+      : input_(input), channel_(channel), rules_(rules), threads_(threads), allowed_latency_s_(allowed_latency_s(input)), reference_latency_s_(reference_latency_s(input)), base_(given.base), carried_(given.base), taken_(skip) {
     add_columns(carried_, given.soaking);
     present_ = carried_;
   }
@@ -56,7 +56,7 @@ class ForwardChoice {
         if (!carry_along(family, Clocks::late_reference)) return;
         continue;
       }
-      if (why == Refusal::leads && lead.plain() && shift_s(channel_, family) > allowed_latency_s_) tell_lead(shift_s(channel_, family));
+      if (why == Refusal::leads && lead.plain() && shift_s(channel_, family) > longest_lead_s()) tell_lead(shift_s(channel_, family));
       if (may_hide_another(why, chosen))
         if (std::optional<Partner> partner = partner_of(input_, channel_, present_, taken_, result_, family, rules_, threads_)) {
           result_ = std::move(partner->beside);
@@ -104,17 +104,19 @@ class ForwardChoice {
     return out;
   }
 
+  double longest_lead_s() const { return std::max(allowed_latency_s_, reference_latency_s_); }
+
   Clocks left_to_clocks(const FamilyScore& family, const ChosenEffect& chosen, const Lead& lead) const {
     if (!rules_.clock_slack) return Clocks::no;
-    if (lead.plain() && latencies_ == 0 && shift_s(channel_, family) <= allowed_latency_s_) return Clocks::lead;
+    if (lead.plain() && latencies_ == 0 && shift_s(channel_, family) <= longest_lead_s()) return Clocks::lead;
     const bool first = out_.chosen.empty(), worth = family.gain > kWorthCarrying;
     const double least_fall = !first ? 0.6 : latencies_ > 0 ? 0.4 : 0.25;
     if (!lead.is && family.kind->traits.timing && worth && !family.best.wrong_sign && shift_s(channel_, family) <= allowed_latency_s_ &&
         chosen.fall < least_fall)
       return Clocks::slight_shift;
     // what a late reference explains nearly as well is its own, whatever else may fit
-    const bool nearly = !lead.loaded && latencies_ == 0 && first && place_ == 0 && is_nearly_latency(channel_, result_);
-    return nearly || (worth && is_reference_latency(channel_, family)) ? Clocks::late_reference : Clocks::no;
+    const bool nearly = !lead.loaded && latencies_ == 0 && first && place_ == 0 && is_nearly_latency(channel_, result_, reference_latency_s_);
+    return nearly || (worth && is_reference_latency(channel_, family, reference_latency_s_)) ? Clocks::late_reference : Clocks::no;
   }
 
   Objection speaks_against(const FamilyScore& family, const ChosenEffect& chosen, const Lead& lead) const {
@@ -141,7 +143,7 @@ class ForwardChoice {
     if (!leads.valid) return false;
     const VariantScore both = score_variant(channel_, columns, leads, family.best.variant, nullptr);
     const double lead_s = -net_shift_s(channel_, both.fit);
-    return both.fit.valid && !both.wrong_sign && both.gain > rules_.first_gain && lead_s > 0.0 && lead_s <= kAllowedLatency_s &&
+    return both.fit.valid && !both.wrong_sign && both.gain > rules_.first_gain && lead_s > 0.0 && lead_s <= reference_latency_s_ &&
            both.fit.log_evidence > family.best.fit.log_evidence + kWorthCarrying &&
            strength_scatter(channel_.problem, both.fit, chosen.columns) < kTighter * chosen.strength_scatter;
   }
@@ -164,7 +166,7 @@ class ForwardChoice {
     std::vector<int> columns = base_;
     add_leads(channel_, columns);
     const MixedFit leads = fit_mixed(channel_.problem, columns, &out_.base, 20);
-    return leads.valid && -net_shift_s(channel_, leads) <= kAllowedLatency_s;
+    return leads.valid && -net_shift_s(channel_, leads) <= reference_latency_s_;
   }
 
   bool carry_along(const FamilyScore& family, Clocks clocks) {
@@ -181,7 +183,7 @@ class ForwardChoice {
       out_.nuisance.push_back(clocks == Clocks::lead ? "a lead of the output of a few milliseconds is left to the reference"
                             : clocks == Clocks::slight_shift
                                 ? "output and reference are out of step by a few milliseconds, within what two clocks may be"
-                                : kLatencyNote);
+                                : latency_note(input_));
     leads_ = leads_ || clocks == Clocks::late_reference;
     return screen_again(&family.best.fit) && ++latencies_ <= kMostLatencies;
   }
@@ -210,7 +212,7 @@ class ForwardChoice {
   }
 
   bool take(const FamilyScore& family, ChosenEffect& chosen) {
-    if (const double lead_s = rival_lead_s(channel_, result_, family); rules_.clock_slack && lead_s > allowed_latency_s_) tell_lead(lead_s);
+    if (const double lead_s = rival_lead_s(channel_, result_, family); rules_.clock_slack && lead_s > longest_lead_s()) tell_lead(lead_s);
     set_shares(channel_, result_, place_, rules_, !out_.chosen.empty(), chosen);
     if (!chosen.between)
       largest_removed_ = std::max(largest_removed_, std::sqrt(std::max(1e-18, chosen.fall * excess_mean_square(channel_, result_.base))));
@@ -225,7 +227,7 @@ class ForwardChoice {
   ResidualChannel& channel_;
   const SelectionRules& rules_;
   unsigned threads_;
-  double allowed_latency_s_;
+  double allowed_latency_s_, reference_latency_s_;
   std::vector<int> base_, carried_, present_;  // of the model; with what its families soak up; with what was chosen too
   std::vector<std::string> taken_;
   Forms forms_ = Forms::ordinary;

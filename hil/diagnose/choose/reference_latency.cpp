@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
+
+#include <fmt/format.h>
 
 #include "hil/diagnose/base/judge.h"
 
@@ -10,17 +13,30 @@ namespace forcegate::diagnose {
 
 namespace {
 
+constexpr double kOrdinaryLatency_s = 0.012;
+
 bool is_shift(const Candidate& c) { return c.kind->traits.shift == TimeShift::first_shape && !c.shape.empty(); }
 
 bool is_lead(const Candidate& c) { return c.kind->name == kLatencyEffect && c.shape[0] < 0.0; }
 
 }  // namespace
 
+double reference_latency_s(const CampaignInput& input) {
+  constexpr double kHigherOrders = 1.75;
+  return std::fmax(kOrdinaryLatency_s, kHigherOrders / (2.0 * std::numbers::pi * input.bench.reference_lowpass_Hz));
+}
+
+std::string latency_note(const CampaignInput& input) {
+  const double latest_s = reference_latency_s(input);
+  if (latest_s == kOrdinaryLatency_s) return "the output leads the reference by a few milliseconds, as a reference with its own lag does";
+  return fmt::format("the output leads the reference, by no more than the {:.3g} ms that its declared low-pass may be late by", 1e3 * latest_s);
+}
+
 double allowed_latency_s(const CampaignInput& input) {
   double step_s = std::numeric_limits<double>::infinity();
   for (const RecordInput& r : input.records)
     if (const auto n = r.fast_t_s.size(); n > 1) step_s = std::min(step_s, (r.fast_t_s.back() - r.fast_t_s.front()) / static_cast<double>(n - 1));
-  return std::isfinite(step_s) ? std::max(kAllowedLatency_s, 0.5 * step_s) : kAllowedLatency_s;
+  return std::isfinite(step_s) ? std::max(kOrdinaryLatency_s, 0.5 * step_s) : kOrdinaryLatency_s;
 }
 
 double shift_s(const ResidualChannel& channel, const FamilyScore& family) {
@@ -45,16 +61,16 @@ double rival_lead_s(const ResidualChannel& channel, const ScreenResult& result, 
   return 0.0;
 }
 
-bool is_reference_latency(const ResidualChannel& channel, const FamilyScore& family) {
-  return is_lead(candidate_of(channel, family.best.variant)) && shift_s(channel, family) <= kAllowedLatency_s;
+bool is_reference_latency(const ResidualChannel& channel, const FamilyScore& family, double latest_s) {
+  return is_lead(candidate_of(channel, family.best.variant)) && shift_s(channel, family) <= latest_s;
 }
 
-bool is_nearly_latency(const ResidualChannel& channel, const ScreenResult& result) {
+bool is_nearly_latency(const ResidualChannel& channel, const ScreenResult& result, double latest_s) {
   constexpr double kNearly = 0.8, kLeastGain = 40.0, kMost = 0.5, kLittle = 0.25;
   const FamilyScore& best = result.families.front();
   for (const FamilyScore& family : result.families)
     if (family.kind->name == kLatencyEffect)
-      return family.gain > kLeastGain && is_reference_latency(channel, family) &&
+      return family.gain > kLeastGain && is_reference_latency(channel, family, latest_s) &&
              (family.gain > kNearly * best.gain || (family.best.fall > kMost && best.best.fall < kLittle));
   return false;
 }
@@ -132,12 +148,12 @@ MixedFit forgive_late_reference(const Workspace& w, MixedFit base, std::vector<s
   for (std::size_t b = base.columns.size(); b < columns.size(); ++b)
     for (const Candidate& c : channel.candidates)
       if (c.first == columns[b]) lead_s -= c.shape[0] * with.strength_of(c.first);
-  if (lead_s < 0.0 || lead_s > kAllowedLatency_s) return base;
+  if (lead_s < 0.0 || lead_s > reference_latency_s(w.input)) return base;
   const auto left_out = [&](const MixedFit& fit) {
     return judged(channel, judge(channel, fit, base, w.judges).adapted, w.judges);
   };
   if (left_out(with) >= left_out(base)) return base;
-  notes.emplace_back(kLatencyNote);
+  notes.push_back(latency_note(w.input));
   return with;
 }
 

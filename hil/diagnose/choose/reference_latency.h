@@ -11,16 +11,15 @@ namespace forcegate::diagnose {
 
 /// The effect whose leads are forgiven.
 inline constexpr const char* kLatencyEffect = "delay";
-/// By which two instruments may be out of step, s.
-inline constexpr double kAllowedLatency_s = 0.012;
-/// The same where samples are further apart: half a sample of the fastest record. A shift by less mixes neighbouring samples of the reference,
-/// and averages its noise as much whichever way it goes.
+/// By which the reference may be late, s: 12 ms, or what a declared low-pass of it is late by beyond the one pole that the output is behind too: a fourth
+/// order (Butterworth) has 2.6 / (2 pi f) and leaves 1.6 of them.
+double reference_latency_s(const CampaignInput& input);
+/// By which two instruments may be out of step, s: 12 ms, or half a sample of the fastest record where samples are further apart. A shift by less mixes neighbouring samples of the reference, and averages its noise as much whichever way it goes.
 double allowed_latency_s(const CampaignInput& input);
 /// Milliseconds between two instruments are no matter in a recording of another machine whose rows are further apart than this, s.
 inline constexpr double kStepsTellNoLag_s = 0.05;
 /// What is said where a lead is carried along.
-inline constexpr const char* kLatencyNote =
-    "the output leads the reference by a few milliseconds, as a reference with its own lag does";
+std::string latency_note(const CampaignInput& input);
 
 /// Shift in time that an effect of time comes to, s, never negative; 0 for a skew, which has none.
 double shift_s(const ResidualChannel& channel, const FamilyScore& family);
@@ -32,11 +31,11 @@ double net_shift_s(const ResidualChannel& channel, const MixedFit& fit);
 /// the rate, whatever effect is chosen for it.
 double rival_lead_s(const ResidualChannel& channel, const ScreenResult& result, const FamilyScore& family);
 
-/// The best variant is a lead that the reference may have of its own.
-bool is_reference_latency(const ResidualChannel& channel, const FamilyScore& family);
+/// The best variant is a lead that a reference may have of its own, which is late by `latest_s` at most.
+bool is_reference_latency(const ResidualChannel& channel, const FamilyScore& family, double latest_s);
 
 /// Such a lead explains nearly all that the best family does, or takes most of an error (a fast record's) of which that one takes little.
-bool is_nearly_latency(const ResidualChannel& channel, const ScreenResult& result);
+bool is_nearly_latency(const ResidualChannel& channel, const ScreenResult& result, double latest_s);
 
 /// Of the leads that may be forgiven, s.
 inline constexpr double kLongestLead_s = 0.03;

@@ -3,9 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
+#include "hil/base/plain_number.h"
 #include "hil/diagnose/raw/denoise.h"
 #include "hil/diagnose/raw/hum_claim.h"
 #include "hil/diagnose/raw/mains_removal.h"
+#include "hil/diagnose/raw/matched_lowpass.h"
 #include "hil/diagnose/raw/reference_scatter.h"
 #include "hil/diagnose/raw/smoothed_reference.h"
 
@@ -47,10 +51,27 @@ void smooth_reference(Record& record, Channel& force, double sd_N, const HealthS
   }
 }
 
+void smooth_noisy_reference(Record& record, const HealthScales& scales, bool draw, CleanedSamples& out) {
+  constexpr double kSmoothed = 1e-4;  // of the span
+  RecordHealth& health = out.health;
+  Channel* force = record.trace.find("F_ref");
+  // differences of neighbours do not see noise that hangs together; where the output stands still it is seen whole
+  const double sd_N = std::max(std::hypot(health.noise_F_N, health.lsb_F_N / std::sqrt(12.0)), health.scatter_F.still_N);
+  if (force == nullptr || !(sd_N > kSmoothed * scales.range_N)) return;
+  const std::vector<double> recorded_N = draw ? force->value : std::vector<double>{};
+  smooth_reference(record, *force, sd_N, scales, health);
+  const double burst_N = std::isfinite(health.scatter_F.burst_N) ? health.scatter_F.burst_N : 0.0;
+  if (draw) out.cuts.push_back(cut_out_reference_noise(record, recorded_N, std::max({health.noise_F_N, health.scatter_F.quartile_N, burst_N})));
+}
+
 }  // namespace
 
+std::vector<std::string> notes_of_cleaning(const BenchFacts& bench) {
+  if (!std::isfinite(bench.reference_lowpass_Hz)) return {};
+  return {fmt::format("the output is taken through the low-pass of {} Hz that campaign.json declares of the reference: both are as late", plain_number(bench.reference_lowpass_Hz))};
+}
+
 CleanedSamples clean_samples(Record& record, const HealthScales& scales, const BenchFacts& bench, bool draw) {
-  constexpr double kSmoothed = 1e-4;  // of the span
   CleanedSamples out;
   RecordHealth& health = out.health;
   health = check_raw_health(record, scales, bench);
@@ -60,14 +81,8 @@ CleanedSamples clean_samples(Record& record, const HealthScales& scales, const B
     take_hum_off(record, health);
     if (draw) out.cuts.push_back(cut_out_hum(record, before_V, health.hum_Hz, health.hum_V));
   }
-  Channel* force = record.trace.find("F_ref");
-  // differences of neighbours do not see noise that hangs together; where the output stands still it is seen whole
-  const double sd_N = std::max(std::hypot(health.noise_F_N, health.lsb_F_N / std::sqrt(12.0)), health.scatter_F.still_N);
-  if (force == nullptr || !(sd_N > kSmoothed * scales.range_N)) return out;
-  const std::vector<double> recorded_N = draw ? force->value : std::vector<double>{};
-  smooth_reference(record, *force, sd_N, scales, health);
-  const double burst_N = std::isfinite(health.scatter_F.burst_N) ? health.scatter_F.burst_N : 0.0;
-  if (draw) out.cuts.push_back(cut_out_reference_noise(record, recorded_N, std::max({health.noise_F_N, health.scatter_F.quartile_N, burst_N})));
+  smooth_noisy_reference(record, scales, draw, out);
+  if (std::isfinite(bench.reference_lowpass_Hz)) match_reference_lowpass(record, health.bad, bench.reference_lowpass_Hz);
   return out;
 }
 

@@ -111,6 +111,7 @@ TEST_F(CheckedCampaign, RefusesABenchThatCannotBe) {
   for (const auto& [bench, says] : {std::pair{R"("adc_bits": 0)", "between 1 and 32"}, std::pair{R"("adc_bits": 11.5)", "between 1 and 32"},
                                     std::pair{R"("reference_noise_N": -0.5)", "must not be negative"},
                                     std::pair{R"("reference_resolution_N": -1)", "must not be negative"},
+                                    std::pair{R"("reference_lowpass_Hz": 0)", "must be above 0"},
                                     std::pair{R"("spring_N_per_mm": 0)", "must be above 0"}}) {
     put("campaign.json", std::string("{\"bench\": {") + bench + "}, \"records\": [{\"file\": \"a.csv\"}]}");
     EXPECT_THAT(refusal(), HasSubstr(says)) << bench;

@@ -42,7 +42,7 @@ TEST_F(ReadCampaign, TakesEveryFactOfADescribedCampaign) {
   put("r2.csv", kCsv);
   put("campaign.json", R"({"campaign": "C01", "sensor": "A201",
     "bench": {"spring_N_per_mm": 0.25, "law": "F = k x", "voltage_range_V": [0, 10], "force_range_N": [0, 5],
-              "reference_resolution_N": 0.025, "adc_bits": 12, "colour": "blue"},
+              "reference_resolution_N": 0.025, "reference_lowpass_Hz": 73, "adc_bits": 12, "colour": "blue"},
     "records": [{"file": "r1.csv", "kind": "sine", "role": "fit", "fs_Hz": 10, "start_s": 1900, "rest_before_s": 677,
                  "excitation_start_s": 2, "dynamic": true, "f_min_Hz": 0.5, "A_N": 1.16, "m_N": 1.92, "drive_V": 5.0,
                  "eccentricity_mm": 11, "preload_mm": 1.6, "mounting": 2, "temp_C": 21.5, "rh_pct": 40,
@@ -53,6 +53,7 @@ TEST_F(ReadCampaign, TakesEveryFactOfADescribedCampaign) {
   EXPECT_EQ(c->name, "C01");
   EXPECT_EQ(c->bench.adc_bits, 12);
   EXPECT_EQ(c->bench.voltage_max_V, 10.0);
+  EXPECT_EQ(c->bench.reference_lowpass_Hz, 73.0);
   EXPECT_TRUE(c->bench.reference_noise_N != c->bench.reference_noise_N);
   ASSERT_EQ(c->records.size(), 2u);
   const Record& r = c->records[0];

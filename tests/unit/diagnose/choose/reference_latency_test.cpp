@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <numbers>
 
 #include "hil/diagnose/choose/reference_latency.h"
 #include "tests/unit/diagnose/made_recording.h"
@@ -106,6 +107,30 @@ TEST(ReferenceLatency, AReferenceThatIsADelayOfATenthBehindIsADelay) {
   EXPECT_EQ(d.findings.front().effect, "delay") << told(d);
   ASSERT_FALSE(d.findings.front().parameters.empty());
   EXPECT_NEAR(d.findings.front().parameters.front().value, -0.1, 0.005);
+}
+
+Diagnosis answer_of_declared(double corner_Hz, Campaign c) {
+  c.bench.reference_lowpass_Hz = corner_Hz;
+  return answer(std::move(c));
+}
+
+TEST(ReferenceLatency, ALowpassThatTheBenchDeclaresOfTheReferenceIsNoFinding) {
+  const Diagnosis d = answer_of_declared(3.183, late_reference(3, 0.05, 0.0));
+  EXPECT_EQ(d.verdict, DiagnosisVerdict::none) << told(d);
+  EXPECT_NE(told(d).find("the output is taken through the low-pass of 3.18 Hz"), std::string::npos) << told(d);
+  EXPECT_EQ(told(d).find("leads the reference by about "), std::string::npos) << told(d);
+  EXPECT_LT(d.error_after, 1.3 * d.floor) << told(d);
+}
+
+TEST(ReferenceLatency, WhatALowpassOfHigherOrderIsLateByBeyondOnePoleIsItsOwn) {
+  const Diagnosis d = answer_of_declared(1.0 / (2.0 * std::numbers::pi * 0.02), late_reference(3, 0.02, 0.02));
+  EXPECT_EQ(d.verdict, DiagnosisVerdict::none) << told(d);
+}
+
+TEST(ReferenceLatency, ADelayThatNoDeclaredLowpassHasIsADelay) {
+  const Diagnosis d = answer_of_declared(20.0, late_reference(3, 0.0, 0.1));
+  ASSERT_FALSE(d.findings.empty()) << told(d);
+  EXPECT_EQ(d.findings.front().effect, "delay") << told(d);
 }
 
 // U = g (F + tau dF/dt) is what a load cell behind a pole of 80 ms makes of a straight sensor: whatever is named for it, the lead is told.
