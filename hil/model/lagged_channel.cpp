@@ -44,6 +44,8 @@ double state_at_start(const CampaignInput& c, const RecordInput& record, AirChan
 
 }  // namespace
 
+double bent(double k, double d) { return std::abs(k) > 1e-9 ? std::expm1(std::clamp(k * d, -20.0, 20.0)) / k : d; }
+
 std::vector<double> lagged_channel(const CampaignInput& campaign, const RecordInput& record,
                                    AirChannel channel, double tau_s, FilmStart start) {
   const std::vector<double>& x = record.*channel;
@@ -114,10 +116,10 @@ EffectForm lagged_form(AirChannel channel, bool CampaignInput::*recorded, const 
           .cause = mean_of_record(channel, unit)};
 }
 
-EffectForm isotherm_form(AirChannel channel, bool CampaignInput::*recorded, const std::string& suffix,
+EffectForm bent_form(std::string name, AirChannel channel, bool CampaignInput::*recorded, const std::string& suffix,
                          const std::string& unit, std::vector<double> taus_s, double bend) {
-  return {.name = "isotherm",
-          .shape = {lag_of_film(), {"bend_per_" + suffix, "1/" + unit, -0.2, 0.2, bend, "k of the isotherm"}},
+  return {.name = std::move(name),
+          .shape = {lag_of_film(), {"bend_per_" + suffix, "1/" + unit, -0.2, 0.2, bend, "bend: the change of its slope, as a share, with one more of the unit"}},
           .strength = gain_and_offset(suffix, unit),
           .sign = StrengthSign::either,
           .grid =
@@ -132,8 +134,7 @@ EffectForm isotherm_form(AirChannel channel, bool CampaignInput::*recorded, cons
               [channel](const CampaignInput& c, const RecordInput& r, std::span<const double> shape,
                         ColumnsRef out) {
                 const double k = shape[1];
-                fill(channel, c, r, shape[0], FilmStart::equilibrium, out,
-                     [k](double x) { return std::abs(k) > 1e-9 ? std::expm1(std::clamp(k * x, -20.0, 20.0)) / k : x; });
+                fill(channel, c, r, shape[0], FilmStart::equilibrium, out, [k](double x) { return bent(k, x); });
               },
           .singles = true,
           .cause = mean_of_record(channel, unit)};

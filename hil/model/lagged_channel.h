@@ -14,6 +14,8 @@ using AirChannel = std::vector<double> RecordInput::*;
 
 /// What nobody saw before the first record: a film that has come to its first reading, or one so slow that it knows the mean only.
 enum class FilmStart { equilibrium, mean };
+/// phi(d) of the bent form; d where k is 0.
+double bent(double k, double d);
 /// x_s at every row of the record; `tau_s` 0: x itself.
 std::vector<double> lagged_channel(const CampaignInput& campaign, const RecordInput& record,
                                    AirChannel channel, double tau_s, FilmStart start = FilmStart::equilibrium);
@@ -22,10 +24,11 @@ std::vector<double> lagged_channel(const CampaignInput& campaign, const RecordIn
 EffectForm lagged_form(AirChannel channel, bool CampaignInput::*recorded, const std::string& suffix,
                        const std::string& unit, std::vector<double> taus_s);
 
-/// Form "isotherm", strengths as "lagged": what a film takes up is no straight line of the channel but bends up or down,
-///   dU = g (c_gain W + c_offset R)(phi(x_s) - phi(x_ref)),  phi(x) = (exp(k (x - x_ref)) - 1)/k,
+/// Form `name` ("isotherm" of what a film takes up, "activated" of what conducts through it), strengths as "lagged": no straight line of the channel, it
+/// bends up or down,
+///   dU = g (c_gain W + c_offset R) phi(x_s - x_ref),  phi(d) = (exp(k d) - 1)/k,
 /// k of either sign, tried at +-`bend` (1/<unit>).
-EffectForm isotherm_form(AirChannel channel, bool CampaignInput::*recorded, const std::string& suffix,
+EffectForm bent_form(std::string name, AirChannel channel, bool CampaignInput::*recorded, const std::string& suffix,
                          const std::string& unit, std::vector<double> taus_s, double bend);
 
 inline constexpr const char* kUnrecorded = "unrecorded";

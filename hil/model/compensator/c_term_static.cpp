@@ -6,12 +6,15 @@
 #include <cmath>
 #include <functional>
 
+#include "hil/model/lagged_channel.h"
 #include "hil/model/states.h"
 
 namespace forcegate::c_terms {
 
 Result<CTerm> thermal(const ModelEffect& e, const CTermContext& x) {
-  if (e.form != "lagged")
+  constexpr double kWarmer_C = 20.0;  // than the reference, and colder
+  const bool is_bent = e.form == "activated";
+  if (e.form != "lagged" && !is_bent)
     return refuse("thermal of form " + e.form, "it is a course over the hours of one campaign and follows no thermometer",
                   "record temp_C, and forcegate add thermal --fit CAMPAIGN takes the form that a firmware can follow");
   if (std::isnan(x.reference_temperature_C))
@@ -21,8 +24,11 @@ Result<CTerm> thermal(const ModelEffect& e, const CTermContext& x) {
   const std::string& id = x.id;
   const double tau = shape_of(e, 0), gain = strength_of(e, 0), offset = strength_of(e, 1) * x.span_N;
   const LowPassWeights w = tau > 0.0 ? low_pass_weights(tau, x.rate_Hz) : LowPassWeights{0.0, 1.0};
+  const double bend = is_bent ? shape_of(e, 1) : 0.0;
+  const bool from_reference = !is_bent && shape_of(e, 1) != 0.0;
   t.title = fmt::format("thermal: gain {:g} 1/degC, offset {:g} N/degC from {:g} degC behind {:g} s", gain,
                         offset, x.reference_temperature_C, tau);
+  if (is_bent) t.title += fmt::format(", bent by {:g} 1/degC", bend);
   t.constants = constant("k_" + id + "_gain", gain) + constant("k_" + id + "_offset", offset) +
                 constant("k_" + id + "_T0", x.reference_temperature_C) +
                 constant("k_" + id + "_old", w.to_old) + constant("k_" + id + "_new", w.to_new);
@@ -38,11 +44,18 @@ Result<CTerm> thermal(const ModelEffect& e, const CTermContext& x) {
       "    c->{0}_hi = {1};\n"
       "  }}\n"
       "  c->{0}_x = c->temperature_C;\n",
-      id, shape_of(e, 1) != 0.0 ? "k_" + id + "_T0" : "c->temperature_C");
-  t.value = fmt::format("(c->{0}_hi - k_{0}_T0) * (k_{0}_gain * W + k_{0}_offset)", id);
-  t.slope_min = -20.0 * std::fabs(gain);
+      id, from_reference ? "k_" + id + "_T0" : "c->temperature_C");
+  std::string warmer = fmt::format("(c->{0}_hi - k_{0}_T0)", id);
+  if (std::abs(bend) > 1e-9) {
+    t.constants += constant("k_" + id + "_bend", bend) + constant("k_" + id + "_per_bend", 1.0 / bend) +
+                   fmt::format("static inline float {0}_bent(float d) {{\n  return (fg_exp(fg_min(fg_max(k_{0}_bend * d, -20.0f), 20.0f)) - 1.0f) * k_{0}_per_bend;\n}}\n", id);
+    warmer = fmt::format("{0}_bent{1}", id, warmer);
+    t.needs_exp = true;
+  }
+  t.value = fmt::format("{1} * (k_{0}_gain * W + k_{0}_offset)", id, warmer);
+  t.slope_min = -std::fabs(gain) * bent(std::abs(bend), kWarmer_C);
   t.once = 10;
-  t.each = 4;
+  t.each = t.needs_exp ? 64 : 4;
   t.bytes = 12;
   t.needs_temperature = true;
   return t;

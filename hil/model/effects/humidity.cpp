@@ -19,7 +19,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .traits = {.between_records = true},
     .forms = {unrecorded_form([](const CampaignInput& c) { return !c.has_humidity; }),
               lagged_form(&RecordInput::humidity, &CampaignInput::has_humidity, "pct", "%", {0.0, 240.0, 800.0, 2400.0, 7200.0, 21600.0}),
-              isotherm_form(&RecordInput::humidity, &CampaignInput::has_humidity, "pct", "%", {0.0, 1200.0}, 0.03)}}};
+              bent_form("isotherm", &RecordInput::humidity, &CampaignInput::has_humidity, "pct", "%", {0.0, 1200.0}, 0.03)}}};
 
 }  // namespace
 }  // namespace forcegate

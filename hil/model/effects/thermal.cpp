@@ -1,4 +1,5 @@
-// Thermal gain and offset: dU = g (c_gain W + c_offset R) (T_s - T_ref), T_s = the measured temperature behind a lag.
+// Thermal gain and offset: dU = g (c_gain W + c_offset R) (T_s - T_ref), T_s = the measured temperature behind a lag; `activated`: along an
+// exponential of T_s, as a film that conducts by activated hopping does over more than a few degrees.
 // Up to 0.36 %/C (maker's figure for FlexiForce); resistance -15 % at +85 C, -5 % at -40 C for FSR (Interlink).
 
 #include "hil/model/lagged_channel.h"
@@ -17,7 +18,8 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .needs = {},
     .traits = {.between_records = true},
     .forms = {unrecorded_form([](const CampaignInput& c) { return !c.has_temp; }),
-              lagged_form(&RecordInput::temp_C, &CampaignInput::has_temp, "C", "degC", {0.0, 60.0, 240.0, 800.0, 2400.0})}}};
+              lagged_form(&RecordInput::temp_C, &CampaignInput::has_temp, "C", "degC", {0.0, 15.0, 60.0, 240.0, 800.0, 2400.0}),
+              bent_form("activated", &RecordInput::temp_C, &CampaignInput::has_temp, "C", "degC", {0.0, 15.0, 60.0, 240.0}, 0.03)}}};
 
 }  // namespace
 }  // namespace forcegate

@@ -126,6 +126,8 @@ TEST(Compensator, CurvesThermalEffectsAndDeadZonesAreUndone) {
   EXPECT_LT(replay_LSB(model_with({effect("static_nonlinearity", "saturation", {0.2}, {3.0, 0.5})})), 0.3);
   EXPECT_LT(replay_LSB(model_with({effect("thermal", "lagged", {0.003, 0.001}, {60.0, 0.0})})), 0.1);
   EXPECT_LT(replay_LSB(model_with({effect("thermal", "lagged", {0.003, 0.001}, {60.0, 1.0})})), 0.1);
+  EXPECT_LT(replay_LSB(model_with({effect("thermal", "activated", {0.003, 0.001}, {15.0, 0.03})})), 0.1);
+  EXPECT_LT(replay_LSB(model_with({effect("thermal", "activated", {0.003, 0.001}, {0.0, -0.05})})), 0.1);
   EXPECT_LT(replay_LSB(model_with({effect("dead_zone", "distributed", {0.5}, {0.2})})), 0.3);
   EXPECT_LT(replay_LSB(model_with({effect("dead_zone", "closing", {0.5}, {0.2})})), 0.3);
   EXPECT_LT(replay_LSB(model_with({effect("dead_zone", "skewed", {0.5}, {0.8})})), 0.3);
