@@ -90,18 +90,20 @@ double spread_of(const std::vector<Rest>& rests, const Of& of) {
 // Those that come down to the lowest load, where the zeros tell.
 std::optional<std::vector<Rest>> told_rests(const Workspace& w, const MixedFit& fit) {
   constexpr std::size_t kFewest = 4;
-  constexpr double kOfSpread = 0.3, kOfAll = 0.5, kOfRange = 0.005, kSteps = 3.0;
+  constexpr double kOfSpread = 0.3, kOfSpreadUnderLoad = 0.1, kOfAll = 0.5, kOfRange = 0.005, kSteps = 3.0, kTared = 2.0;
   if (w.rig_sees_zero || w.has_command || w.input.has_capacitance || !fit.valid || w.gain_V_per_N == 0.0) return std::nullopt;
   std::vector<Rest> rests = rests_of(w, fit);
   const std::size_t least = std::max(kFewest, (rests.size() + 1) / 2);
   double step_N = 0.0;
   for (const RecordHealth& h : w.health) step_N = std::max(step_N, h.lsb_F_N);
   const double zeros_N = spread_of(rests, &Rest::zero_N), least_N = std::max({kOfRange * w.input.range_N, kSteps * step_N, kOfAll * zeros_N});
+  // where every force stands far from zero beside what they differ by, they are loads of a bench that never lets go, and agree by chance sooner
   // which of them come down to the lowest load nobody says: what is left unloaded has no lower one
   std::ranges::sort(rests, {}, &Rest::load_N);
   for (; rests.size() >= least; rests.pop_back()) {
     const double moves_N = spread_of(rests, &Rest::zero_N);
-    if (moves_N >= least_N && spread_of(rests, &Rest::load_N) <= kOfSpread * moves_N) return rests;
+    const bool tared = std::ranges::any_of(rests, [&](const Rest& r) { return std::abs(r.force_N) <= kTared * moves_N; });
+    if (moves_N >= least_N && spread_of(rests, &Rest::load_N) <= (tared ? kOfSpread : kOfSpreadUnderLoad) * moves_N) return rests;
   }
   return std::nullopt;
 }

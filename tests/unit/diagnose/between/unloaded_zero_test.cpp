@@ -95,6 +95,15 @@ TEST(UnloadedZero, RecordsThatKeepALoadOfTheirOwnDoNotTell) {
   EXPECT_EQ(drift_of(d), nullptr) << told(d);
 }
 
+// A press that never lets go: its lowest loads are nobody's zero, and records of another gain agree there by chance.
+TEST(UnloadedZero, LoadsFarFromZeroMustAgreeMoreClosely) {
+  const auto answer_about = [](double scatter_N) {
+    return answer_to([](int k) { return 0.2 * by_turns(k); }, [](int) { return 0.0; }, [=](int k) { return 2.0 + scatter_N * by_turns(k + 1); });
+  };
+  EXPECT_NE(drift_of(answer_about(0.0)), nullptr);
+  EXPECT_EQ(drift_of(answer_about(0.045)), nullptr);
+}
+
 TEST(UnloadedZero, WhatBenchesScatterByIsNoDrift) {
   const Diagnosis d = answer_to([](int k) { return 0.012 * by_turns(k); }, [](int) { return 0.0; });
   EXPECT_EQ(drift_of(d), nullptr) << told(d);
