@@ -45,7 +45,8 @@ Result<CampaignInput> make_campaign_input(const Campaign& campaign, unsigned thr
 
 /// Turning points from which on a record that nobody declared counts as cycled.
 inline constexpr std::size_t kTurnsOfCycling = 8;
-/// Facts of the excitation of one record from its rows: dynamic, onset, f, A, F_min, frequency jumps.
+/// Facts of the excitation of one record from its rows: dynamic, onset, f, A, F_min, frequency jumps. Of a kind that is cyclic by its name (sine, multisine,
+/// sweep, prbs, switch) three turning points are enough.
 void estimate_excitation(RecordInput& record, const Record* declared, double range_N, std::size_t fewest_turns = kTurnsOfCycling);
 
 /// Where a record that was moved in other ways before may begin to be cycled: from there to its end the peaks, and the valleys, keep their

@@ -48,6 +48,11 @@ bool is_static_kind(const std::string& kind) {
          kind == "step";
 }
 
+// By its own word: two cycles, of which the record may begin or end at a turn, are enough.
+bool is_cyclic_kind(const std::string& kind) {
+  return kind == "sine" || kind == "multisine" || kind == "sweep" || kind == "prbs" || kind == "switch";
+}
+
 double share_moving(const RecordInput& record, double range_N) {
   std::size_t moving = 0;
   for (double rate : record.rate_N_per_s)
@@ -105,7 +110,9 @@ void estimate_excitation(RecordInput& record, const Record* declared, double ran
   const std::vector<Extremum> turning = turns_of(record, range_N);
   const std::size_t turns = turning.size();
   record.dynamic_assumed = declared == nullptr || !declared->dynamic.has_value();
-  record.dynamic = record.dynamic_assumed ? turns >= fewest_turns && !is_static_kind(record.kind) : *declared->dynamic;
+  constexpr std::size_t kFewestOfDeclaredCycles = 3;
+  const std::size_t fewest = is_cyclic_kind(record.kind) ? std::min(fewest_turns, kFewestOfDeclaredCycles) : fewest_turns;
+  record.dynamic = record.dynamic_assumed ? turns >= fewest && !is_static_kind(record.kind) : *declared->dynamic;
 
   if (record.dynamic) find_jumps(record, turning);
   const double typical_half_s = half_period_at_start_s(record, turning).value_or(record.duration_s);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "hil/diagnose/base/base_fit.h"
 #include "hil/model/rows.h"
@@ -78,6 +79,24 @@ TEST(OwnDecay, ARareLowestForceIsFoundByTheDecayThatTurnsAboutIt) {
   EXPECT_NEAR(lowest_force_of_decay(beats_about(lowest)), lowest, 0.05);
   EXPECT_EQ(lowest_force_of_decay(beats_about(usual)), usual);
   EXPECT_EQ(lowest_force_of_decay(edges(0.3)), 0.5);
+}
+
+// Two cycles of ten seconds, of which three turns show.
+TEST(OwnDecay, TwoCyclesThatAreCalledCyclesAreAskedWhetherTheyDecay) {
+  const auto two_cycles = [](const std::string& kind) {
+    RecordInput r = edges(0.0);
+    std::size_t n = 0;
+    for (; n < r.rows() && r.t_s[n] < 20.5; ++n) r.F_N[n] = 5.0 - 4.0 * std::cos(0.2 * std::numbers::pi * r.t_s[n]);
+    for (auto* channel : {&r.t_s, &r.F_N, &r.U_V, &r.rate_N_per_s}) channel->resize(n);
+    r.ok.resize(n);
+    r.duration_s = r.t_s.back();
+    r.kind = kind;
+    estimate_excitation(r, nullptr, 10.0, 4);
+    return r.dynamic;
+  };
+  EXPECT_TRUE(two_cycles("sine"));
+  EXPECT_FALSE(two_cycles("")) << "up and down, and up and down again: it may be two ramps";
+  EXPECT_FALSE(two_cycles("ramp"));
 }
 
 // A tenth of a degree goes with the decay by chance.
