@@ -196,7 +196,7 @@ class ForwardChoice {
     const bool unphysical = family.best.wrong_sign || family.gain < rules_.first_gain || why == Refusal::too_small || why == Refusal::jitter;
     const auto& families = result_.families;
     const bool between = asks_between_records(family);
-    const bool is_no_fit = why == Refusal::helps_no_records || why == Refusal::differs;
+    const bool is_no_fit = why == Refusal::helps_no_records || why == Refusal::differs || why == Refusal::few_jumps;
     const auto fits_worse = [&](const FamilyScore& next) {
       // a cause that nobody recorded may fit better and stand behind by its prior
       return asks_between_records(next) == between && !(is_no_fit && next.best.fall > family.best.fall) && !(between && next.gain > family.gain);

@@ -86,6 +86,22 @@ std::vector<std::string> named(const std::vector<HealthClaim>& claims) {
 std::vector<double>& output_of(Record& r) { return r.trace.channels[1].value; }
 
 // Every code within 0.2 V of a half and of a quarter of the range comes out as the one below the gap.
+// Curves between the carries follow a part of what a larger lag leaves, in more rows than the lag itself: they are refused for it, and the lag is asked.
+TEST(Converter, BitsThatExplainLittleKeepNoLagFromBeingAsked) {
+  const Sensor straight_in = converter(0.04, -0.03, 0.02);
+  const Diagnosis d = answer(make_campaign(88, [&](const std::vector<double>& t, const std::vector<double>& F, int record) {
+    std::vector<double> late_N;
+    double film = F[0];
+    for (const double f : F) {
+      film += (f - film) * -std::expm1(-0.005 / 0.3);
+      late_N.push_back(0.45 * f + 0.55 * film);
+    }
+    return straight_in(t, late_N, record);
+  }));
+  EXPECT_GE(probability(d, "lag"), 0.5) << told(d);
+  EXPECT_NE(claimed(d), nullptr) << told(d);
+}
+
 // Behind a curve that is many times as large.
 TEST(Converter, BitsStandBesideACurveWhereTheOutputJumps) {
   const Sensor straight_in = converter(0.012, -0.008, 0.006);
