@@ -63,9 +63,11 @@ std::string most_carry_it(const CompensatorCheck& check) {
   Records all;
   for (const ReplayedRecord& r : check.records) all.push_back(&r);
   const bool undoes = root_mean_square(all, &ReplayedRecord::own_plain_rms_N) > kLarger * root_mean_square(all, &ReplayedRecord::own_compensated_rms_N);
-  return fmt::format(" ({} of {} records): do not build it in, the firmware is better without it. With a gain and a zero of its own for each record {}: {}", worse, check.records.size(),
-                     from_to(all, &ReplayedRecord::own_plain_rms_N, &ReplayedRecord::own_compensated_rms_N),
-                     undoes ? "what is larger is how the records differ in them, and that takes a calibration before each" : "a calibration before each would not mend it");
+  return fmt::format(
+      " ({} of {} records): do not build it in, the firmware is better without it. With a gain and a zero of its own for each record {}: {}",
+      worse, check.records.size(), from_to(all, &ReplayedRecord::own_plain_rms_N, &ReplayedRecord::own_compensated_rms_N),
+      undoes ? "what is larger is how the records differ in them, and that takes a calibration before each"
+             : "a calibration before each would not mend it");
 }
 
 }  // namespace
@@ -93,9 +95,10 @@ std::vector<std::string> objections(const CompensatorCheck& check) {
                               plain_number(1e3 * check.compensated_rms_N), few ? few_carry_it(c) : most_carry_it(check)));
   }
   if (is_off_in_gain(check))
-    out.push_back(fmt::format("gain and offset of the model are not those of these records: {} mN as they are, {} mN with {:.3g} times the force and {:+.3g} N. A firmware that calibrates by the model "
-                              "has them: refit the model on records of this sensor (--fit), or calibrate on the bench (--plan)",
-                              plain_number(1e3 * check.raw_compensated_rms_N), plain_number(1e3 * check.compensated_rms_N), check.line_gain, check.line_zero_N));
+    out.push_back(fmt::format(
+        "gain and offset of the model are not those of these records: {} mN as they are, {} mN with {:.3g} times the force and {:+.3g} N. A firmware that calibrates by the model "
+        "has them: refit the model on records of this sensor (--fit), or calibrate on the bench (--plan)",
+        plain_number(1e3 * check.raw_compensated_rms_N), plain_number(1e3 * check.compensated_rms_N), check.line_gain, check.line_zero_N));
   return out;
 }
 
