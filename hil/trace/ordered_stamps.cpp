@@ -61,7 +61,8 @@ std::optional<std::vector<double>> spread_bursts(const std::vector<double>& orde
   std::size_t bursts = 1;
   for (std::size_t i = 1; i < stamps->size(); ++i) bursts += (*stamps)[i] != (*stamps)[i - 1];
   notes.push_back("the rows were stamped in bursts of " + std::to_string((stamps->size() + bursts / 2) / bursts) +
-                  ", when they were read and not when they were sampled, for their values run on from one burst to the next: their instants are spread evenly between the bursts");
+                  ", when they were read and not when they were sampled, for their values run on from one burst to the next: "
+                  "their instants are spread evenly between the bursts");
   return spread;
 }
 
@@ -85,7 +86,8 @@ std::string hint_for_jump(double back_s, double step_s, const ClockSource& sourc
   if (!column.empty()) return "column \"" + column + "\" changes there: make one file for each of its values, " + split_command(source.where, column);
   const std::string split = "split the file where a new recording begins";
   if (!source.dates || std::fabs(back_s - kHour_s) > std::max(kNear_s, 2.0 * step_s)) return split;
-  return "an hour is what clocks go back at the end of summer time: add it to the stamps from there on, or write all of them with their zone (2026-10-25T02:00:00+01:00); where it is another recording, " +
+  return "an hour is what clocks go back at the end of summer time: add it to the stamps from there on, "
+         "or write all of them with their zone (2026-10-25T02:00:00+01:00); where it is another recording, " +
          split;
 }
 

@@ -187,7 +187,8 @@ const Registration<Command> kRow{Command{
         "A plan can set limits ([[limit]]) that every session must keep; a broken one gives exit code 1. A "
         "session in which the rig failed gives 4 (5 after a safety stop), whatever the others say. The "
         "plan tms does so for robotised TMS.\n\n"
-        "The plan capacitance plays Paredes-Madrid et al. 2010 instead, on a bench of dead weights: resistance and capacitance of packs of eight sensors, frequency sweeps, force models "
+        "The plan capacitance plays Paredes-Madrid et al. 2010 instead, on a bench of dead weights: "
+        "resistance and capacitance of packs of eight sensors, frequency sweeps, force models "
         "of one and of two variables (docs/paper-capacitance.md).\n\n"
         "A recording can stand for the rig: cyclic ones give the decay, slow ones the static law.",
     .options = joined(
