@@ -118,6 +118,20 @@ class ReplayRig : public Rig {
   std::size_t latest() const { return grid_.rows[at_ == 0 ? 0 : at_ - 1].source; }
 
   Result<void> load(const std::string& path, const Options& options) {
+    FORCEGATE_CHECK_OK(set_converter(options));
+    FORCEGATE_TRY(const double rate_Hz, positive(options, "rate_Hz", 0.0));
+    const auto map = options.find("map");
+    FORCEGATE_TRY(TraceFile file, read_mapped_trace(path, map == options.end() ? std::string() : map->second, rate_Hz));
+    FORCEGATE_CHECK_OK(load_channels(file, path));
+    FORCEGATE_TRY(const std::string digest, sha256_file(path));
+    describe(path, digest);
+    note_grid(file.notes);
+    if (!file.notes.empty()) info_.details["notes"] = join(file.notes, "; ");
+    return {};
+  }
+
+  // The converter whose codes the firmware sees: of the options, else of the calibration file, else assumed and said so.
+  Result<void> set_converter(const Options& options) {
     Options calibration;
     if (const auto cal = options.find("cal"); cal != options.end()) {
       FORCEGATE_TRY(calibration, read_calibration(cal->second));
@@ -137,11 +151,11 @@ class ReplayRig : public Rig {
     if (!assumed.empty()) info_.details["assumed"] = join(assumed, ", ");
     if (info_.v_range_V < 0.1 || info_.v_range_V > 100.0) return bad_option("v_range_V", shortest(info_.v_range_V), "must be 0.1 to 100");
     info_.adc_bits = static_cast<int>(bits);
-    FORCEGATE_TRY(const double rate_Hz, positive(options, "rate_Hz", 0.0));
     for (const auto& [key, value] : calibration) info_.details["calibration." + key] = value;
+    return {};
+  }
 
-    const auto map = options.find("map");
-    FORCEGATE_TRY(TraceFile file, read_mapped_trace(path, map == options.end() ? std::string() : map->second, rate_Hz));
+  Result<void> load_channels(TraceFile& file, const std::string& path) {
     const Trace& trace = file.trace;
     const Channel* force = trace.find("F_ref");
     if (!force)
@@ -153,11 +167,12 @@ class ReplayRig : public Rig {
     for (const auto& [name, column] : {std::pair{"F_cmd", &setpoint_N_}, std::pair{"theta", &theta_rad_}})
       if (const Channel* c = trace.find(name); c && c->time_base == force->time_base)
         column->assign(c->value.begin(), c->value.end());
-    std::size_t no_reference = 0;
     for (std::size_t i = 0; i < force_N_.size(); ++i)
-      if (std::isnan(force_N_[i])) status_[i] |= kRigReferenceFault, ++no_reference;
+      if (std::isnan(force_N_[i])) status_[i] |= kRigReferenceFault;
+    return {};
+  }
 
-    FORCEGATE_TRY(const std::string digest, sha256_file(path));
+  void describe(const std::string& path, const std::string& digest) {
     info_.name = "replay";
     info_.id = digest.substr(0, 16);
     info_.version = "1";
@@ -171,17 +186,17 @@ class ReplayRig : public Rig {
     info_.details["record"] = path;
     info_.details["record_sha256"] = digest;
     info_.details["duration_s"] = shortest(static_cast<double>(grid_.rows.size()) / grid_.rate_Hz);
+  }
+
+  void note_grid(std::vector<std::string>& notes) const {
     if (grid_.kind == EquidistantGrid::Kind::held)
-      file.notes.push_back("the clock jitters by more than 1 %: sampled at " + shortest(grid_.rate_Hz) + " Hz, the latest row held");
+      notes.push_back("the clock jitters by more than 1 %: sampled at " + shortest(grid_.rate_Hz) + " Hz, the latest row held");
     if (grid_.kind == EquidistantGrid::Kind::on_a_line)
-      file.notes.push_back(fmt::format("the stamps scatter by up to {:.2g} ms about an even clock of {} Hz, which is taken for when the rows were sampled", 1e3 * grid_.scatter_s,
-                                       shortest(grid_.rate_Hz)));
-    if (grid_.lost > 0)
-      file.notes.push_back(std::to_string(grid_.lost) + " samples were lost in gaps of the record");
-    if (no_reference > 0)
-      file.notes.push_back(std::to_string(no_reference) + " rows have no reference force");
-    if (!file.notes.empty()) info_.details["notes"] = join(file.notes, "; ");
-    return {};
+      notes.push_back(fmt::format("the stamps scatter by up to {:.2g} ms about an even clock of {} Hz, which is taken for when the rows were sampled",
+                                  1e3 * grid_.scatter_s, shortest(grid_.rate_Hz)));
+    if (grid_.lost > 0) notes.push_back(std::to_string(grid_.lost) + " samples were lost in gaps of the record");
+    const auto no_reference = std::count_if(force_N_.begin(), force_N_.end(), [](float f) { return std::isnan(f); });
+    if (no_reference > 0) notes.push_back(std::to_string(no_reference) + " rows have no reference force");
   }
 
   Result<void> load_codes(const Trace& trace, const Channel& force, const std::string& path, std::vector<std::string>& notes) {

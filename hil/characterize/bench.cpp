@@ -17,6 +17,120 @@ namespace {
 
 constexpr std::size_t kPeriodsPerBlock = 400;
 
+RigRecordRequest request_of(const Bench::Setup& setup, std::uint64_t record, const Stimulus& stimulus, const Closed& closed) {
+  const StimulusFacts facts = stimulus.facts();
+  RigRecordRequest request;
+  request.faults = closed.faults;
+  request.specimen = setup.specimen;
+  request.seed = setup.seed;
+  request.session = setup.session;
+  request.record = record;
+  request.rest_before_s = setup.rest_s;
+  request.duration_s = stimulus.duration_s();
+  request.force_low_N = facts.minimum_N;
+  request.force_high_N = facts.maximum_N;
+  return request;
+}
+
+Result<std::unique_ptr<Controller>> controller_of(const Closed& closed, const RigGeometry& geometry) {
+  const std::string name = closed.estimator ? closed.controller : "open_loop";
+  const ControllerKind* kind = Registry<ControllerKind>::instance().find(name);
+  if (kind == nullptr) return fail(ErrorCode::internal, "the controller '" + name + "' is not linked");
+  auto controller = kind->make();
+  controller->reset(geometry);
+  return controller;
+}
+
+// One record on its way: blocks of the profile, row by row through controller, safety gate and estimator.
+class Playing {
+ public:
+  Playing(Rig& rig, double rate_Hz, SafetyGate& gate, const Stimulus& stimulus, Controller& controller, const Estimator& estimator)
+      : rig_(rig),
+        gate_(gate),
+        stimulus_(stimulus),
+        controller_(controller),
+        estimator_(estimator),
+        rate_Hz_(rate_Hz),
+        period_(control_period(rate_Hz)),
+        duration_s_(stimulus.duration_s()),
+        estimate_N_(stimulus.facts().minimum_N) {
+    block_.resize(period_.samples * kPeriodsPerBlock);
+    setpoint_N_.resize(block_.size() + 1);
+    commanded_.resize(block_.size());
+    estimates_.resize(estimator_ ? block_.size() : 0);
+  }
+
+  std::uint64_t total() const { return static_cast<std::uint64_t>(std::llround(duration_s_ * rate_Hz_)); }
+
+  // Rows of the next block, 0 when the rig has no more.
+  Result<std::size_t> next_block(std::uint64_t first) {
+    const auto wanted = static_cast<std::size_t>(std::min<std::uint64_t>(block_.size(), total() - first));
+    fill_setpoints(first, wanted);
+    std::size_t rows = 0;
+    while (rows < wanted) {
+      FORCEGATE_TRY(const double told, gate_.command(controller_.velocity_rad_per_s(input_at(first, rows, wanted))));
+      FORCEGATE_TRY(const std::size_t got, gate_.run(std::min(period_.samples, wanted - rows), block_, rows));
+      if (got == 0) break;
+      take(rows, got, told);
+      rows += got;
+    }
+    return rows;
+  }
+
+  const RigBlock& block() const { return block_; }
+  const float* commanded() const { return commanded_.data(); }
+  std::span<const float> estimates(std::size_t rows) const { return {estimates_.data(), estimator_ ? rows : 0}; }
+
+ private:
+  void fill_setpoints(std::uint64_t first, std::size_t wanted) {
+    const double first_s = static_cast<double>(first) / rate_Hz_;
+    stimulus_.fill(first_s, 1.0 / rate_Hz_, wanted, setpoint_N_.data());
+    setpoint_N_[wanted] = stimulus_.force_N(std::min(static_cast<double>(first + wanted) / rate_Hz_, duration_s_));
+  }
+
+  ControllerInput input_at(std::uint64_t first, std::size_t row, std::size_t wanted) const {
+    ControllerInput in;
+    in.t_s = static_cast<double>(first + row) / rate_Hz_;
+    in.period_s = period_.s;
+    in.setpoint_N = setpoint_N_[row];
+    in.setpoint_next_N = setpoint_N_[std::min(row + period_.samples, wanted)];
+    in.estimate_N = estimate_N_;
+    in.theta_rad = rig_.theta_rad();
+    return in;
+  }
+
+  void take(std::size_t from, std::size_t n, double told) {
+    for (std::size_t i = from; i < from + n; ++i) {
+      block_.setpoint_N[i] = static_cast<float>(setpoint_N_[i]);
+      commanded_[i] = static_cast<float>(told);
+      if (!estimator_) continue;
+      estimate_N_ = estimator_(block_.adc[i]);
+      estimates_[i] = static_cast<float>(estimate_N_);
+    }
+  }
+
+  Rig& rig_;
+  SafetyGate& gate_;
+  const Stimulus& stimulus_;
+  Controller& controller_;
+  const Estimator& estimator_;
+  double rate_Hz_;
+  ControlPeriod period_;
+  double duration_s_, estimate_N_;
+  RigBlock block_;
+  std::vector<double> setpoint_N_;
+  std::vector<float> commanded_, estimates_;
+};
+
+Result<void> check_open_loop(const PlayedRecord& played, const RigObservation& observed, const std::string& where) {
+  const auto checks = self_check(played.rig, observed);
+  if (const Check* bad = first_unsound(checks)) return fail(ErrorCode::device, bad->title + ": " + bad->evidence, where);
+  if (played.safety.stopped())
+    return fail(ErrorCode::safety,
+                fmt::format("the record was stopped at {:.1f} s: {}", played.safety.t_s, to_string(played.safety.reason)), where);
+  return {};
+}
+
 }  // namespace
 
 double Bench::volts_per_code() const {
@@ -30,91 +144,33 @@ Result<PlayedRecord> Bench::play(const StimulusSpec& spec, const BlockSink& sink
 }
 
 Result<PlayedRecord> Bench::play(const Stimulus& stimulus, const BlockSink& sink, const Closed& closed) {
-  const StimulusFacts facts = stimulus.facts();
-  const Estimator& estimator = closed.estimator;
-  RigRecordRequest request;
-  request.faults = closed.faults;
-  request.specimen = setup_.specimen;
-  request.seed = setup_.seed;
-  request.session = setup_.session;
-  request.record = ++record_;
-  request.rest_before_s = setup_.rest_s;
-  request.duration_s = stimulus.duration_s();
-  request.force_low_N = facts.minimum_N;
-  request.force_high_N = facts.maximum_N;
+  const RigRecordRequest request = request_of(setup_, ++record_, stimulus, closed);
   SafetyGate gate(rig_, setup_.safety);
   FORCEGATE_CHECK_OK(gate.begin(request));
   PlayedRecord out;
   out.rig = rig_.info();
-  const std::string name = estimator ? closed.controller : "open_loop";
-  const ControllerKind* kind = Registry<ControllerKind>::instance().find(name);
-  if (kind == nullptr) return fail(ErrorCode::internal, "the controller '" + name + "' is not linked");
-  const auto controller = kind->make();
-  controller->reset(out.rig.geometry);
+  FORCEGATE_TRY(const auto controller, controller_of(closed, out.rig.geometry));
   RigWitness witness;
   witness.begin(out.rig);
-
-  const double rate_Hz = out.rig.rate_Hz;
-  const auto [step, period_s] = control_period(rate_Hz);
-  RigBlock block;
-  block.resize(step * kPeriodsPerBlock);
-  std::vector<double> setpoint_N(block.size() + 1);
-  std::vector<float> commanded(block.size()), estimates(estimator ? block.size() : 0);
-  const auto total = static_cast<std::uint64_t>(std::llround(request.duration_s * rate_Hz));
-  double estimate_N = facts.minimum_N;
-  std::uint64_t done = 0;
-  while (done < total && !gate.report().stopped()) {
-    const auto wanted = static_cast<std::size_t>(std::min<std::uint64_t>(block.size(), total - done));
-    const double first_s = static_cast<double>(done) / rate_Hz;
-    stimulus.fill(first_s, 1.0 / rate_Hz, wanted, setpoint_N.data());
-    setpoint_N[wanted] =
-        stimulus.force_N(std::min(static_cast<double>(done + wanted) / rate_Hz, request.duration_s));
-    std::size_t rows = 0;
-    while (rows < wanted) {
-      ControllerInput in;
-      in.t_s = static_cast<double>(done + rows) / rate_Hz;
-      in.period_s = period_s;
-      in.setpoint_N = setpoint_N[rows];
-      in.setpoint_next_N = setpoint_N[std::min(rows + step, wanted)];
-      in.estimate_N = estimate_N;
-      in.theta_rad = rig_.theta_rad();
-      FORCEGATE_TRY(const double told, gate.command(controller->velocity_rad_per_s(in)));
-      FORCEGATE_TRY(const std::size_t got, gate.run(std::min(step, wanted - rows), block, rows));
-      if (got == 0) break;
-      for (std::size_t i = rows; i < rows + got; ++i) {
-        block.setpoint_N[i] = static_cast<float>(setpoint_N[i]);
-        commanded[i] = static_cast<float>(told);
-        if (estimator) {
-          estimate_N = estimator(block.adc[i]);
-          estimates[i] = static_cast<float>(estimate_N);
-        }
-      }
-      rows += got;
-    }
+  Playing playing(rig_, out.rig.rate_Hz, gate, stimulus, *controller, closed.estimator);
+  const std::uint64_t total = playing.total();
+  while (out.samples < total && !gate.report().stopped()) {
+    FORCEGATE_TRY(const std::size_t rows, playing.next_block(out.samples));
     if (rows == 0) break;
-    witness.push(block, rows, commanded.data());
-    if (sink) sink(block, rows, std::span<const float>(estimates.data(), estimator ? rows : 0));
-    done += rows;
+    witness.push(playing.block(), rows, playing.commanded());
+    if (sink) sink(playing.block(), rows, playing.estimates(rows));
+    out.samples += rows;
     progress_.samples += rows;
     if (progress_.is_cancelled()) return fail(ErrorCode::cancelled, "interrupted");
   }
-  out.samples = done;
-  samples_ += done;
+  samples_ += out.samples;
   out.safety = gate.report();
   const std::string where =
       fmt::format("{}, session {}, record {}", request.specimen, request.session, request.record);
-  if (!out.safety.stopped() && done < total)
-    return fail(ErrorCode::timeout, fmt::format("the record is truncated: {} of {} samples", done, total), where);
+  if (!out.safety.stopped() && out.samples < total)
+    return fail(ErrorCode::timeout, fmt::format("the record is truncated: {} of {} samples", out.samples, total), where);
   // what a loop that is closed over a poor estimate does to sensor and bench is what it is played for
-  if (estimator) return out;
-  const auto checks = self_check(out.rig, witness.finish());
-  if (const Check* bad = first_unsound(checks))
-    return fail(ErrorCode::device, bad->title + ": " + bad->evidence, where);
-  if (out.safety.stopped())
-    return fail(
-        ErrorCode::safety,
-        fmt::format("the record was stopped at {:.1f} s: {}", out.safety.t_s, to_string(out.safety.reason)),
-        where);
+  if (!closed.estimator) FORCEGATE_CHECK_OK(check_open_loop(out, witness.finish(), where));
   return out;
 }
 

@@ -76,6 +76,81 @@ struct Law {
   std::vector<NamedTerm> candidates;  ///< multiplied by the value's scale to be relative
 };
 
+std::vector<Law> laws_of_paper() {
+  const Term f = [](const PrintedRow&r) { return r.f_Hz; }, A = [](const PrintedRow&r) { return r.A_N; },
+             m = [](const PrintedRow&r) { return r.m_N; },
+             A2 = [](const PrintedRow&r) { return r.A_N * r.A_N; },
+             one = [](const PrintedRow&) { return 1.0; }, none = [](const PrintedRow&) { return 0.0; },
+             ln_f = [](const PrintedRow&r) { return std::log(r.f_Hz); },
+             f2 = [](const PrintedRow&r) { return r.f_Hz * r.f_Hz; },
+             low = [](const PrintedRow&r) { return r.m_N - r.A_N; };
+  // a is of the order of A and (a/c - 1) of A^2: their candidates are multiplied by these.
+  const auto times = [](const Term& x, const Term& y) {
+    return [x, y](const PrintedRow& r) { return x(r) * y(r); };
+  };
+  return {
+      {"a",
+       {A2, A},
+       none,
+       [](const PrintedRow& r) { return r.a_V; },
+       {{"m", times(m, A)}, {"f", times(f, A)}, {"ln f", times(ln_f, A)}, {"m - A", times(low, A)}}},
+      {"b",
+       {f, one},
+       none,
+       [](const PrintedRow& r) { return 1e3 * r.b_per_s; },
+       {{"A", A}, {"m", m}, {"ln f", ln_f}, {"f^2", f2}, {"m - A", low}}},
+      {"c/a",
+       {A2},
+       one,
+       [](const PrintedRow& r) { return r.a_V / r.c_V; },
+       {{"A", A},
+        {"m", times(m, A2)},
+        {"f", times(f, A2)},
+        {"ln f", times(ln_f, A2)},
+        {"m - A", times(low, A2)}}}};
+}
+
+struct Columns {
+  Eigen::VectorXd y;  ///< without the fixed part
+  Eigen::MatrixXd X;
+};
+
+Columns columns_of(const Law& law) {
+  const auto n = static_cast<Eigen::Index>(kTableII.size());
+  Columns out{Eigen::VectorXd(n), Eigen::MatrixXd(n, static_cast<Eigen::Index>(law.terms.size()))};
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const PrintedRow& row = kTableII[static_cast<std::size_t>(i)];
+    out.y[i] = law.value(row) - law.offset(row);
+    for (std::size_t k = 0; k < law.terms.size(); ++k) out.X(i, static_cast<Eigen::Index>(k)) = law.terms[k](row);
+  }
+  return out;
+}
+
+// What a law gains by one more term.
+LeftOut with_term(const Law& law, const Columns& of, const LeastSquares& before, const NamedTerm& candidate) {
+  const Eigen::Index at = of.X.cols();
+  Eigen::MatrixXd X(of.X.rows(), at + 1);
+  X.leftCols(at) = of.X;
+  for (Eigen::Index i = 0; i < X.rows(); ++i) X(i, at) = candidate.value(kTableII[static_cast<std::size_t>(i)]);
+  const LeastSquares after = relative_fit(X, of.y);
+  LeftOut out;
+  out.parameter = law.parameter;
+  out.term = candidate.name;
+  out.coefficient = after.beta[at];
+  out.se = std::sqrt(after.sum_of_squares / static_cast<double>(after.dof) * after.inverse(at, at));
+  out.p = 2.0 * (1.0 - student_cdf(std::abs(out.coefficient / out.se), static_cast<double>(after.dof)));
+  out.loo_before_pct = before.loo_pct;
+  out.loo_after_pct = after.loo_pct;
+  return out;
+}
+
+void mark_significant(std::vector<LeftOut>& items) {
+  std::vector<double> p;
+  for (const LeftOut& item : items) p.push_back(item.p);
+  const std::vector<bool> rejected = holm(p, kSignificance);
+  for (std::size_t i = 0; i < items.size(); ++i) items[i].significant = rejected[i];
+}
+
 }  // namespace
 
 std::span<const PrintedRow> printed_table_II() { return kTableII; }
@@ -97,73 +172,13 @@ PrintedErrors errors_on_printed_table() {
 }
 
 std::vector<LeftOut> search_printed_table() {
-  const Term f = [](const PrintedRow&r) { return r.f_Hz; }, A = [](const PrintedRow&r) { return r.A_N; },
-             m = [](const PrintedRow&r) { return r.m_N; },
-             A2 = [](const PrintedRow&r) { return r.A_N * r.A_N; },
-             one = [](const PrintedRow&) { return 1.0; }, none = [](const PrintedRow&) { return 0.0; },
-             ln_f = [](const PrintedRow&r) { return std::log(r.f_Hz); },
-             f2 = [](const PrintedRow&r) { return r.f_Hz * r.f_Hz; },
-             low = [](const PrintedRow&r) { return r.m_N - r.A_N; };
-  // a is of the order of A and (a/c - 1) of A^2: their candidates are multiplied by these.
-  const auto times = [](const Term& x, const Term& y) {
-    return [x, y](const PrintedRow& r) { return x(r) * y(r); };
-  };
-  const std::vector<Law> laws{
-      {"a",
-       {A2, A},
-       none,
-       [](const PrintedRow& r) { return r.a_V; },
-       {{"m", times(m, A)}, {"f", times(f, A)}, {"ln f", times(ln_f, A)}, {"m - A", times(low, A)}}},
-      {"b",
-       {f, one},
-       none,
-       [](const PrintedRow& r) { return 1e3 * r.b_per_s; },
-       {{"A", A}, {"m", m}, {"ln f", ln_f}, {"f^2", f2}, {"m - A", low}}},
-      {"c/a",
-       {A2},
-       one,
-       [](const PrintedRow& r) { return r.a_V / r.c_V; },
-       {{"A", A},
-        {"m", times(m, A2)},
-        {"f", times(f, A2)},
-        {"ln f", times(ln_f, A2)},
-        {"m - A", times(low, A2)}}}};
   std::vector<LeftOut> out;
-  const auto n = static_cast<Eigen::Index>(kTableII.size());
-  for (const Law& law : laws) {
-    Eigen::VectorXd y(n), whole(n);
-    Eigen::MatrixXd base(n, static_cast<Eigen::Index>(law.terms.size()));
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const PrintedRow& row = kTableII[static_cast<std::size_t>(i)];
-      whole[i] = law.value(row);
-      y[i] = whole[i] - law.offset(row);
-      for (std::size_t k = 0; k < law.terms.size(); ++k)
-        base(i, static_cast<Eigen::Index>(k)) = law.terms[k](row);
-    }
-    const LeastSquares before = relative_fit(base, y);
-    for (const NamedTerm& candidate : law.candidates) {
-      Eigen::MatrixXd X(n, base.cols() + 1);
-      X.leftCols(base.cols()) = base;
-      for (Eigen::Index i = 0; i < n; ++i)
-        X(i, base.cols()) = candidate.value(kTableII[static_cast<std::size_t>(i)]);
-      const LeastSquares after = relative_fit(X, y);
-      LeftOut item;
-      item.parameter = law.parameter;
-      item.term = candidate.name;
-      item.coefficient = after.beta[base.cols()];
-      item.se = std::sqrt(after.sum_of_squares / static_cast<double>(after.dof) *
-                          after.inverse(base.cols(), base.cols()));
-      item.p =
-          2.0 * (1.0 - student_cdf(std::abs(item.coefficient / item.se), static_cast<double>(after.dof)));
-      item.loo_before_pct = before.loo_pct;
-      item.loo_after_pct = after.loo_pct;
-      out.push_back(std::move(item));
-    }
+  for (const Law& law : laws_of_paper()) {
+    const Columns columns = columns_of(law);
+    const LeastSquares before = relative_fit(columns.X, columns.y);
+    for (const NamedTerm& candidate : law.candidates) out.push_back(with_term(law, columns, before, candidate));
   }
-  std::vector<double> p;
-  for (const LeftOut& item : out) p.push_back(item.p);
-  const std::vector<bool> rejected = holm(p, kSignificance);
-  for (std::size_t i = 0; i < out.size(); ++i) out[i].significant = rejected[i];
+  mark_significant(out);
   std::stable_sort(out.begin(), out.end(), [](const LeftOut& x, const LeftOut& y) { return x.p < y.p; });
   return out;
 }

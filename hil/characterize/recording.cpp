@@ -128,7 +128,9 @@ struct Span {
 
 void note_rails(SessionSheet& sheet, const Columns& c, const char* what_of_it) {
   if (const std::size_t rails = c.rails(); rails > 0)
-    sheet.notes.push_back(fmt::format("{} of {} samples lie at the first or the last code of the converter, where the sensor may be beyond its range: {}", rails, c.t_s.size(), what_of_it));
+    sheet.notes.push_back(
+        fmt::format("{} of {} samples lie at the first or the last code of the converter, where the sensor may be beyond its range: {}",
+                    rails, c.t_s.size(), what_of_it));
 }
 
 void describe_cycles(SessionSheet& sheet, SteadyStretch stretch, const Columns& columns, double range_N) {
@@ -147,7 +149,9 @@ void describe_cycles(SessionSheet& sheet, SteadyStretch stretch, const Columns& 
     onset_s = std::max(recording.begin_s, stretch.begin_s - half_cycle_s);
     end_s = recording.end_s;
     if (from_rest && onset_s - recording.begin_s > 2.0 * half_cycle_s)
-      sheet.notes.push_back(fmt::format("the cycles begin {:.3g} s behind the beginning of the recording: the time of eq. (3) counts from there", onset_s - recording.begin_s));
+      sheet.notes.push_back(
+          fmt::format("the cycles begin {:.3g} s behind the beginning of the recording: the time of eq. (3) counts from there",
+                      onset_s - recording.begin_s));
   } else {
     sheet.notes.push_back(fmt::format(
         "cut to {:.0f} .. {:.0f} s of {:.0f} s: elsewhere the swing or the rate of the force is another one",

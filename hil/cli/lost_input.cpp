@@ -92,10 +92,12 @@ std::optional<Error> records_over(const Named& output, const Named& input) {
 // A verb that has --force looks after its own outputs.
 std::optional<Error> file_of_others(const Command& command, const Named& output) {
   if (is_of_bundle(output.path))
-    return Error{ErrorCode::usage, "the output would replace a file of the bundle of a run, which forcegate check could then not judge", output.path.string(), "choose another name for " + output.option};
+    return Error{ErrorCode::usage, "the output would replace a file of the bundle of a run, which forcegate check could then not judge",
+                 output.path.string(), "choose another name for " + output.option};
   if (std::ranges::any_of(command.options, [](const Option& o) { return o.name == "force"; })) return std::nullopt;
   if (is_recording(output.path) || output.path.filename() == "campaign.json")
-    return Error{ErrorCode::usage, "the output would replace a recording or its description", output.path.string(), "choose another name for " + output.option + ", or move the file away"};
+    return Error{ErrorCode::usage, "the output would replace a recording or its description", output.path.string(),
+                 "choose another name for " + output.option + ", or move the file away"};
   return std::nullopt;
 }
 

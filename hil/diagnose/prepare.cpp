@@ -88,7 +88,8 @@ void cut_into_blocks(CampaignRows& w) {
   w.input.records.front().fast_F_N = std::move(fast_F_N);
   w.input.notes.push_back(
       std::string(settled > 0 ? "one recording only: its first tenth settles the states, the rest is judged in five blocks, each left out in turn"
-                              : "one recording only: it is judged in five blocks, each left out in turn; it begins at rest, or its force moves at its beginning alone or not at all") +
+                              : "one recording only: it is judged in five blocks, each left out in turn; it begins at rest, or its force moves "
+                                "at its beginning alone or not at all") +
       (whole.dynamic ? "" : "; no decay is assumed"));
 }
 
@@ -106,7 +107,8 @@ void leave_out_after_gaps(RecordInput& input, std::vector<std::string>& notes) {
     for (std::size_t k = i; k < input.rows() && input.t_s[k] < until_s; ++k) input.ok[k] = 0;
   }
   if (longest_s > 0.0)
-    notes.push_back(input.name + ": rows after a gap (the longest " + plain_number(longest_s) + " s) are left out for as long as it was, at most a tenth of the record: the sensor's state is not known there");
+    notes.push_back(input.name + ": rows after a gap (the longest " + plain_number(longest_s) +
+                    " s) are left out for as long as it was, at most a tenth of the record: the sensor's state is not known there");
 }
 
 // Nobody said when the cycling began: steps and ramps before it count as static where the decay then fits far better.
@@ -179,92 +181,134 @@ Result<void> leave_out_unusable(CampaignRows& w, const std::map<std::string, std
   return {};
 }
 
-}  // namespace
-
-Result<CampaignRows> take_rows(Campaign campaign, const EngineOptions& options) {
-  if (campaign.records.empty())
-    return fail(ErrorCode::parse, "the campaign has no records", campaign.folder.string(), "");
+// What is known before any sample is looked at.
+CampaignRows declared_rows(const Campaign& campaign) {
   CampaignRows w;
   w.input.name = campaign.name;
   w.input.bench = campaign.bench;
   w.input.in_counts = is_in_counts(campaign);
-  const bool single = campaign.records.size() == 1;
-  w.input.single = single;
+  w.input.single = campaign.records.size() == 1;
   w.input.undeclared = std::ranges::all_of(campaign.records, [](const Record& r) { return r.kind.empty(); });
-  w.input.generic = single && w.input.undeclared;
+  w.input.generic = w.input.single && w.input.undeclared;
   w.input.notes = campaign.notes;
   std::ranges::move(notes_of_cleaning(campaign.bench), std::back_inserter(w.input.notes));
   const Channel* output = campaign.records.front().trace.find("U");
   const bool is_ratio = output != nullptr && output->quantity == "ratio";
   if (output != nullptr && !output->unit.empty() && (is_ratio || output->unit != "1")) w.unit = output->unit;
-  leave_out_missing_codes(campaign, w.input.notes);
-  leave_out_absurd_force(campaign, options.threads, w.input.notes);
-  w.scales = health_scales(campaign, options.threads);
-  if (w.unit == "V" && w.scales.gain_V_per_N < 0.0)
-    w.input.notes.push_back(fmt::format("the output falls as the force rises ({:.3g} V/N): so does a divider with the sensor below (--divider OHMS:SUPPLY:below reads its conductance); else the force, or the output, has the wrong sign", w.scales.gain_V_per_N));
+  return w;
+}
 
-  struct Prepared {
-    RecordHealth health;
-    Result<RecordInput> input;
-    std::vector<CutOut> cuts;
-    std::string why_unusable;
-  };
-  std::vector<Prepared> prepared(campaign.records.size());
+void note_falling_output(CampaignRows& w) {
+  if (w.unit != "V" || !(w.scales.gain_V_per_N < 0.0)) return;
+  w.input.notes.push_back(fmt::format(
+      "the output falls as the force rises ({:.3g} V/N): so does a divider with the sensor below (--divider OHMS:SUPPLY:below reads its "
+      "conductance); else the force, or the output, has the wrong sign",
+      w.scales.gain_V_per_N));
+}
+
+struct PreparedRecord {
+  RecordHealth health;
+  Result<RecordInput> input;
+  std::vector<CutOut> cuts;
+  std::string why_unusable;
+};
+
+// The samples of each record are freed as soon as its rows are made.
+std::vector<PreparedRecord> prepare_records(Campaign& campaign, const HealthScales& scales, const EngineOptions& options) {
+  std::vector<PreparedRecord> out(campaign.records.size());
   const double row_step_s = row_step_of(campaign);
   // without a search only effects of the model itself ask for the angle
   const RowParts parts{.full_rate = true, .angle = options.search || !options.in_model.empty()};
   parallel_for_largest_first(sample_counts(campaign), options.threads, [&](std::size_t k) {
     Record& record = campaign.records[k];
-    CleanedSamples cleaned = clean_samples(record, w.scales, campaign.bench, options.pictures);
-    prepared[k].health = std::move(cleaned.health);
-    prepared[k].cuts = std::move(cleaned.cuts);
-    prepared[k].input = take_record_input(record, prepared[k].health.bad, row_step_s, parts);
-    prepared[k].why_unusable = why_unusable(record, prepared[k].health);
+    CleanedSamples cleaned = clean_samples(record, scales, campaign.bench, options.pictures);
+    out[k].health = std::move(cleaned.health);
+    out[k].cuts = std::move(cleaned.cuts);
+    out[k].input = take_record_input(record, out[k].health.bad, row_step_s, parts);
+    out[k].why_unusable = why_unusable(record, out[k].health);
     record.trace = Trace{};
-    prepared[k].health.bad = {};
+    out[k].health.bad = {};
   });
+  return out;
+}
+
+// Of every record by its name: it may be left out, and the order is that of the start times later.
+struct OfRecords {
   std::map<std::string, RecordHealth> health;
-  std::map<std::string, std::string> why;
+  std::map<std::string, std::string> why_unusable;
   std::vector<CutOut> cuts;
-  for (Prepared& p : prepared) {
-    std::ranges::move(p.cuts, std::back_inserter(cuts));
+};
+
+Result<OfRecords> gather(std::vector<PreparedRecord> prepared, std::vector<RecordInput>& records) {
+  OfRecords out;
+  for (PreparedRecord& p : prepared) {
+    std::ranges::move(p.cuts, std::back_inserter(out.cuts));
     FORCEGATE_TRY(RecordInput input, std::move(p.input));
-    health.emplace(input.name, std::move(p.health));
-    why.emplace(input.name, std::move(p.why_unusable));
-    w.input.records.push_back(std::move(input));
+    out.health.emplace(input.name, std::move(p.health));
+    out.why_unusable.emplace(input.name, std::move(p.why_unusable));
+    records.push_back(std::move(input));
   }
-  for (RecordInput& input : w.input.records) leave_out_after_gaps(input, w.input.notes);
-  FORCEGATE_CHECK_OK(leave_out_unusable(w, why, single && options.search));
-  FORCEGATE_CHECK_OK(check_record_gains(w.input.records, w.input.notes));
-  // with no record to judge by, or none to fit, every record is both
-  const auto heldout = std::ranges::count_if(w.input.records, &RecordInput::heldout);
-  if (heldout == 0 || heldout == std::ssize(w.input.records)) w.judges = JudgedBy::left_out;
-  finish_campaign_input(w.input, options.threads);
-  parallel_for(w.input.records.size(), options.threads, [&](std::size_t k) {
-    RecordInput& input = w.input.records[k];
+  return out;
+}
+
+// With no record to judge by, or none to fit, every record is both.
+JudgedBy judges_of(const std::vector<RecordInput>& records) {
+  const auto heldout = std::ranges::count_if(records, &RecordInput::heldout);
+  return heldout == 0 || heldout == std::ssize(records) ? JudgedBy::left_out : JudgedBy::heldout;
+}
+
+void find_decay(RecordInput& input, const Record* declared, const CampaignInput& campaign, bool law_decays) {
+  // whether it decays is asked afterwards: two slow cycles are enough to ask
+  constexpr std::size_t kFewestTurns = 4;
+  estimate_excitation(input, declared, campaign.range_N, kFewestTurns);
+  if (law_decays && input.dynamic && input.dynamic_assumed) find_late_onset(input, campaign.range_N);
+  if (law_decays && input.dynamic) input.F_min_N = lowest_force_of_decay(input);
+  if (campaign.single && input.dynamic && input.dynamic_assumed) {
+    input.dynamic_assumed = false;  // the blocks share the answer of the whole
+    if (!law_decays || !decays_by_itself(input)) {
+      set_static(input);
+      input.found_static = true;
+    }
+  }
+}
+
+void find_decays(CampaignInput& input, const Campaign& campaign, const EngineOptions& options) {
+  parallel_for(input.records.size(), options.threads, [&](std::size_t k) {
     const Record* declared = nullptr;
     for (const Record& record : campaign.records)
-      if (record.name == input.name) declared = &record;
-    // whether it decays is asked afterwards: two slow cycles are enough to ask
-    constexpr std::size_t kFewestTurns = 4;
-    estimate_excitation(input, declared, w.input.range_N, kFewestTurns);
-    if (options.law.decays && input.dynamic && input.dynamic_assumed) find_late_onset(input, w.input.range_N);
-    if (options.law.decays && input.dynamic) input.F_min_N = lowest_force_of_decay(input);
-    if (single && input.dynamic && input.dynamic_assumed) {
-      input.dynamic_assumed = false;  // the blocks share the answer of the whole
-      if (!options.law.decays || !decays_by_itself(input)) {
-        set_static(input);
-        input.found_static = true;
-      }
-    }
+      if (record.name == input.records[k].name) declared = &record;
+    find_decay(input.records[k], declared, input, options.law.decays);
   });
-  find_lost_blocks(w.input, options.threads);
-  for (const RecordInput& input : w.input.records) w.health.push_back(health[input.name]);
+}
+
+void judge_samples(CampaignRows& w, OfRecords& of) {
+  for (const RecordInput& input : w.input.records) w.health.push_back(of.health[input.name]);
   w.input.U_step_V = common_step_V(w.health);
   w.raw_claims = health_claims(w.health, w.scales, w.input.bench);
   if (std::string note = note_of_left_out(w.health, w.raw_claims); !note.empty()) w.input.notes.push_back(std::move(note));
-  add_sample_windows(cuts, w.raw_claims);
-  if (single) cut_into_blocks(w);
+  add_sample_windows(of.cuts, w.raw_claims);
+}
+
+}  // namespace
+
+Result<CampaignRows> take_rows(Campaign campaign, const EngineOptions& options) {
+  if (campaign.records.empty())
+    return fail(ErrorCode::parse, "the campaign has no records", campaign.folder.string(), "");
+  CampaignRows w = declared_rows(campaign);
+  leave_out_missing_codes(campaign, w.input.notes);
+  leave_out_absurd_force(campaign, options.threads, w.input.notes);
+  w.scales = health_scales(campaign, options.threads);
+  note_falling_output(w);
+  FORCEGATE_TRY(OfRecords of, gather(prepare_records(campaign, w.scales, options), w.input.records));
+  for (RecordInput& input : w.input.records) leave_out_after_gaps(input, w.input.notes);
+  FORCEGATE_CHECK_OK(leave_out_unusable(w, of.why_unusable, w.input.single && options.search));
+  FORCEGATE_CHECK_OK(check_record_gains(w.input.records, w.input.notes));
+  w.judges = judges_of(w.input.records);
+  finish_campaign_input(w.input, options.threads);
+  find_decays(w.input, campaign, options);
+  find_lost_blocks(w.input, options.threads);
+  judge_samples(w, of);
+  if (w.input.single) cut_into_blocks(w);
   return w;
 }
 

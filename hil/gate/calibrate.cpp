@@ -155,10 +155,31 @@ class CalibrationRun {
                                          gain_N_per_V / nominal, largest_code_, out_.rig.adc_bits - missing, out_.rig.adc_bits);
   }
 
+  // Turning points of the output and of the reference where the force of a profile turns.
+  struct Envelope {
+    std::vector<double> t_s, maxima_V, minima_V, maxima_N, minima_N;  ///< t_s: of the maxima, from where the excitation begins
+  };
+
   bool identify() {
     auto made = make_stimulus(job_.calibrate.identification->stimulus);
     if (!made) return failed(CaseFailure::Stage::setup, made.error());
     const StimulusFacts facts = (*made)->facts();
+    Envelope envelope;
+    if (!play_for_envelope(**made, envelope)) return false;
+    const double u_min_V = moments(envelope.minima_V).mean;
+    const auto fit = fit_decay(envelope.t_s, envelope.maxima_V, u_min_V);
+    if (!fit)
+      return failed(
+          CaseFailure::Stage::rig,
+          {ErrorCode::device, "the dynamic record does not determine b and c/a: " + fit.error().text, job_.id,
+           "take a longer record or a greater amplitude"});
+    const double amplitude_N = 0.5 * (moments(envelope.maxima_N).mean - moments(envelope.minima_N).mean);
+    const DecayScales scales = scales_of(*fit, facts.lowest_frequency_Hz, amplitude_N);
+    return take_decay(*fit, scales, to_decay_fit(*fit, u_min_V, envelope.t_s.back()));
+  }
+
+  bool play_for_envelope(const Stimulus& stimulus, Envelope& out) {
+    const StimulusFacts facts = stimulus.facts();
     ExtremaPairer::Options options;
     options.prominence = std::max(0.05, 0.25 * facts.amplitude_N);
     options.followers = 2;
@@ -166,7 +187,7 @@ class CalibrationRun {
     ExtremaPairer pairer(options);
     std::vector<float> volts;
     const double per_code = out_.rig.v_range_V / static_cast<double>((1u << out_.rig.adc_bits) - 1u);
-    const bool played = play(**made, 1000002, [&](const RigBlock& b, std::size_t rows) {
+    const bool played = play(stimulus, 1000002, [&](const RigBlock& b, std::size_t rows) {
       volts.resize(b.size());
       for (std::size_t i = 0; i < rows; ++i) volts[i] = static_cast<float>(per_code * b.adc[i]);
       const float* followers[2] = {volts.data(), b.force_ref_N.data()};
@@ -174,27 +195,21 @@ class CalibrationRun {
     });
     if (!played) return false;
     pairer.finish();
-    std::vector<double> t_s, maxima_V, minima_V, maxima_N, minima_N;
     for (const PairedExtremum& p : pairer.pairs()) {
       if (p.t_s < facts.excitation_start_s) continue;
       if (p.turn == Turn::maximum) {
-        t_s.push_back(p.t_s - facts.excitation_start_s);
-        maxima_V.push_back(p.value[0]);
-        maxima_N.push_back(p.value[1]);
+        out.t_s.push_back(p.t_s - facts.excitation_start_s);
+        out.maxima_V.push_back(p.value[0]);
+        out.maxima_N.push_back(p.value[1]);
       } else {
-        minima_V.push_back(p.value[0]);
-        minima_N.push_back(p.value[1]);
+        out.minima_V.push_back(p.value[0]);
+        out.minima_N.push_back(p.value[1]);
       }
     }
-    const double u_min_V = moments(minima_V).mean;
-    const auto fit = fit_decay(t_s, maxima_V, u_min_V);
-    if (!fit)
-      return failed(
-          CaseFailure::Stage::rig,
-          {ErrorCode::device, "the dynamic record does not determine b and c/a: " + fit.error().text, job_.id,
-           "take a longer record or a greater amplitude"});
-    const double amplitude_N = 0.5 * (moments(maxima_N).mean - moments(minima_N).mean);
-    const DecayScales scales = scales_of(*fit, facts.lowest_frequency_Hz, amplitude_N);
+    return true;
+  }
+
+  bool take_decay(const DecayParameters& fit, const DecayScales& scales, const DecayFit& decay) {
     Calibration& c = out_.calibration;
     c.b_scale = scales.b;
     c.q_scale = scales.q;
@@ -202,24 +217,22 @@ class CalibrationRun {
       return failed(CaseFailure::Stage::rig,
                     {ErrorCode::device,
                      fmt::format("the fitted decay is not one: a {:.3f} V, b {:.5f} 1/s, c {:.3f} V",
-                                 fit->a_V, fit->b_per_s, fit->c_V),
+                                 fit.a_V, fit.b_per_s, fit.c_V),
                      job_.id,
                      {}});
-    const std::string beyond = beyond_what_images_take(c);
-    if (!beyond.empty() || fit->u_b_per_s > kSureOfRate * fit->b_per_s)
+    const std::string beyond = beyond_what_images_take(c), b_per_s = with_uncertainty(fit.b_per_s, fit.u_b_per_s);
+    if (!beyond.empty() || fit.u_b_per_s > kSureOfRate * fit.b_per_s)
       return failed(CaseFailure::Stage::rig,
                     {ErrorCode::device,
                      fmt::format("the dynamic record does not tell b and c/a of this sensor: b {} 1/s, c/a {:.3g} x eq. (5), {:.1f} % of the swing lost{}",
-                                 with_uncertainty(fit->b_per_s, fit->u_b_per_s), c.q_scale, to_decay_fit(*fit, u_min_V, t_s.back()).loss_pct,
-                                 beyond.empty() ? "" : "; " + beyond),
+                                 b_per_s, c.q_scale, decay.loss_pct, beyond.empty() ? "" : "; " + beyond),
                      job_.id, "identify it over a longer record or a greater amplitude; a sensor that does not decay is judged with --calibration static"},
                     Blame::sensor);
     c.level = CalibrationLevel::identified;
     c.id = job_.specimen.substr(0, 14) + "/i";
-    out_.decay = to_decay_fit(*fit, u_min_V, t_s.back());
+    out_.decay = decay;
     out_.calibration_text += fmt::format(
-        "; b {} 1/s = {:.3f} x eq. (5), c/a = {:.3f} x eq. (5), {:.1f} % of the swing lost",
-        with_uncertainty(fit->b_per_s, fit->u_b_per_s), c.b_scale, c.q_scale, out_.decay.loss_pct);
+        "; b {} 1/s = {:.3f} x eq. (5), c/a = {:.3f} x eq. (5), {:.1f} % of the swing lost", b_per_s, c.b_scale, c.q_scale, decay.loss_pct);
     return true;
   }
 

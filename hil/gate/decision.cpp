@@ -134,6 +134,64 @@ Decision reject(const std::vector<const Check*>& failed, std::span<const Check* 
   return d;
 }
 
+struct SortedChecks {
+  std::vector<const Check*> required, failed, rig, open;
+};
+
+SortedChecks sorted(std::span<const Check* const> checks, const DecisionRule& rule) {
+  SortedChecks out;
+  for (const Check* c : checks) {
+    if (c == nullptr || !c->required) continue;
+    out.required.push_back(c);
+    if (c->verdict == Verdict::fail)
+      out.failed.push_back(c);
+    else if (c->verdict == Verdict::rig_error)
+      out.rig.push_back(c);
+    else if (c->verdict != Verdict::waived && !truly_passed(*c, rule))
+      out.open.push_back(c);
+  }
+  return out;
+}
+
+Decision rig_at_fault(const std::vector<const Check*>& rig, const RunEvents& events) {
+  const Check* root = cause(rig, {"rig_", "link_", "time_base", "coverage", "firmware_runs", "session", "safety_stop"});
+  const Check& first = root != nullptr ? *root : *worst(rig);
+  Blame blame = first.blame == Blame::none ? Blame::rig : first.blame;
+  if (events.of_recording && (blame == Blame::link || blame == Blame::rig)) blame = Blame::recording;
+  const std::string reason = first.evidence.empty() ? check_in_words(first) : title_and_evidence(first);
+  return no_decision(blame, events.of_recording ? 3 : 4, reason + named(first) + more(rig.size()));
+}
+
+std::string why_open(const Check& c) {
+  if (c.verdict == Verdict::marginal) return "inside the limit by less than its uncertainty: " + check_in_words(c);
+  if (c.verdict == Verdict::not_run) return "not run: " + title_and_evidence(c);
+  return "not decided: " + value_and_evidence(c);
+}
+
+Decision left_open(const std::vector<const Check*>& open) {
+  // Something that is missing explains more than something that was close.
+  const auto missing =
+      std::find_if(open.begin(), open.end(), [](const Check* c) { return c->verdict == Verdict::not_run; });
+  const Check* root = cause(open, {"rig_calibration_fits", "coverage", "extrema_count"});
+  const Check& first = root != nullptr ? *root : missing != open.end() ? **missing : *worst(open);
+  const Blame blame = first.blame == Blame::none ? Blame::user : first.blame;
+  return no_decision(blame, 3, why_open(first) + named(first) + more(open.size()));
+}
+
+Decision accept(const std::vector<const Check*>& required, std::span<const Check* const> all) {
+  Decision d;
+  d.kind = DecisionKind::accept;
+  d.blame = Blame::none;
+  d.exit_code = 0;
+  const auto waived = static_cast<std::size_t>(std::count_if(
+      required.begin(), required.end(), [](const Check* c) { return c->verdict == Verdict::waived; }));
+  d.reason = waived == 0
+                 ? fmt::format("all {} required checks passed", required.size())
+                 : fmt::format("{} required checks passed, {} waived", required.size() - waived, waived);
+  d.reason += left_out(all);
+  return d;
+}
+
 }  // namespace
 
 std::string check_in_words(const Check& c) {
@@ -156,78 +214,27 @@ Decision decide(std::span<const Check* const> checks, const DecisionRule& rule, 
   if (events.harness_error)
     return no_decision(Blame::harness, 6,
                        events.harness_text.empty() ? "internal error of the harness" : events.harness_text);
-  std::vector<const Check*> required, failed, rig, open;
-  for (const Check* c : checks) {
-    if (c == nullptr || !c->required) continue;
-    required.push_back(c);
-    if (c->verdict == Verdict::fail)
-      failed.push_back(c);
-    else if (c->verdict == Verdict::rig_error)
-      rig.push_back(c);
-    else if (c->verdict != Verdict::waived && !truly_passed(*c, rule))
-      open.push_back(c);
-  }
+  const SortedChecks all = sorted(checks, rule);
   const bool undecided_stop = events.safety_stop && !events.safety_cause_decided;
-  Decision d;
-  if (!failed.empty()) {
-    d = reject(failed, checks, events);
-    d.safety_stop = events.safety_stop;
-    if (d.kind == DecisionKind::reject || !undecided_stop) return d;
-  }
-  if (undecided_stop) {
-    d = no_decision(Blame::rig, 5,
-                    events.safety_text.empty() ? "safety stop of undecided cause" : events.safety_text);
-    d.safety_stop = true;
-    return d;
-  }
-  if (!rig.empty()) {
-    const Check* root = cause(rig, {"rig_", "link_", "time_base", "coverage", "firmware_runs", "session", "safety_stop"});
-    const Check& first = root != nullptr ? *root : *worst(rig);
-    Blame blame = first.blame == Blame::none ? Blame::rig : first.blame;
-    if (events.of_recording && (blame == Blame::link || blame == Blame::rig)) blame = Blame::recording;
-    d = no_decision(blame, events.of_recording ? 3 : 4,
-                    (first.evidence.empty() ? check_in_words(first) : title_and_evidence(first)) +
-                        named(first) + more(rig.size()));
+  const auto with_stop = [&](Decision d) {
     d.safety_stop = events.safety_stop;
     return d;
+  };
+  if (!all.failed.empty()) {
+    Decision d = reject(all.failed, checks, events);
+    if (d.kind == DecisionKind::reject || !undecided_stop) return with_stop(std::move(d));
   }
-  if (!open.empty()) {
-    // Something that is missing explains more than something that was close.
-    const auto missing =
-        std::find_if(open.begin(), open.end(), [](const Check* c) { return c->verdict == Verdict::not_run; });
-    const Check* root = cause(open, {"rig_calibration_fits", "coverage", "extrema_count"});
-    const Check& first = root != nullptr ? *root : missing != open.end() ? **missing : *worst(open);
-    std::string reason;
-    if (first.verdict == Verdict::marginal)
-      reason = "inside the limit by less than its uncertainty: " + check_in_words(first);
-    else if (first.verdict == Verdict::not_run)
-      reason = "not run: " + title_and_evidence(first);
-    else
-      reason = "not decided: " + value_and_evidence(first);
-    Blame blame = first.blame;
-    if (blame == Blame::none) blame = Blame::user;
-    d = no_decision(blame, 3, reason + named(first) + more(open.size()));
-    d.safety_stop = events.safety_stop;
-    return d;
-  }
-  const bool any_run = std::any_of(required.begin(), required.end(),
+  if (undecided_stop)
+    return with_stop(no_decision(
+        Blame::rig, 5, events.safety_text.empty() ? "safety stop of undecided cause" : events.safety_text));
+  if (!all.rig.empty()) return with_stop(rig_at_fault(all.rig, events));
+  if (!all.open.empty()) return with_stop(left_open(all.open));
+  const bool any_run = std::any_of(all.required.begin(), all.required.end(),
                                    [](const Check* c) { return c->verdict != Verdict::waived; });
   if (!any_run) return no_decision(Blame::user, 3, "no required check was run");
-  if (events.safety_stop) {
-    d = no_decision(Blame::rig, 5, "a safety stop happened although every check passed");
-    d.safety_stop = true;
-    return d;
-  }
-  d.kind = DecisionKind::accept;
-  d.blame = Blame::none;
-  d.exit_code = 0;
-  const auto waived = static_cast<std::size_t>(std::count_if(
-      required.begin(), required.end(), [](const Check* c) { return c->verdict == Verdict::waived; }));
-  d.reason = waived == 0
-                 ? fmt::format("all {} required checks passed", required.size())
-                 : fmt::format("{} required checks passed, {} waived", required.size() - waived, waived);
-  d.reason += left_out(checks);
-  return d;
+  if (events.safety_stop)
+    return with_stop(no_decision(Blame::rig, 5, "a safety stop happened although every check passed"));
+  return accept(all.required, checks);
 }
 
 }  // namespace forcegate

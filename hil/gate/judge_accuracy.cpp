@@ -91,7 +91,11 @@ void judge_accuracy(const Plan& plan, const PlanCase& planned, const CaseRecord&
     }
     if (wanted && items < kOfEachKind) {
       checks.final_check(judged_id, judge_relative ? mre_title : mae_title, Verdict::not_run, of_profile,
-                         fmt::format("{} {} behind the start window{}, an accuracy needs {}: play a longer profile", items, items == 1 ? (maximum ? "maximum lies" : "minimum lies") : maximum ? "maxima lie" : "minima lie", tail, kOfEachKind));
+                         fmt::format("{} {} behind the start window{}, an accuracy needs {}: play a longer profile", items,
+                                     items == 1 ? (maximum ? "maximum lies" : "minimum lies")
+                                     : maximum  ? "maxima lie"
+                                                : "minima lie",
+                                     tail, kOfEachKind));
       continue;
     }
     // What the limit was derived with is left out of the value that is held against it, and of no other. Another rig has another
@@ -99,7 +103,8 @@ void judge_accuracy(const Plan& plan, const PlanCase& planned, const CaseRecord&
     const auto add = [&](const std::string& id, const std::string& title, double value, const char* unit, const Budget& budget, std::size_t n, bool judged,
                          const std::string& evidence) {
       const bool cancelled = derived && judged && limits.of_rig(record.rig);
-      checks.value_check(id, title, value, unit, cancelled ? budget.u_against_derived() : budget.u(), n, judged ? limit : none, evidence + "; " + budget.to_text(unit, cancelled));
+      checks.value_check(id, title, value, unit, cancelled ? budget.u_against_derived() : budget.u(), n, judged ? limit : none,
+                         evidence + "; " + budget.to_text(unit, cancelled));
       checks.list.back().check.u_against_derived = budget.u_against_derived();
       checks.list.back().dof = budget.degrees_of_freedom(cancelled ? budget.u_against_derived() : budget.u(), n);
       checks.repeatable(cancelled ? budget.u_of_this_record() : budget.u_systematic());

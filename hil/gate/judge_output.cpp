@@ -78,8 +78,9 @@ class OutputJudge {
     j.judgeable = false;
     j.check.verdict = Verdict::inconclusive;
     j.check.blame = Blame::user;
-    j.check.evidence += fmt::format(", or that and whole periods of {:.3g} ms: half a period is no more than the limit of {:.3g} ms and its uncertainty; play a slower profile",
-                                    1000.0 * period_s, 1000.0 * limit_s);
+    j.check.evidence += fmt::format(
+        ", or that and whole periods of {:.3g} ms: half a period is no more than the limit of {:.3g} ms and its uncertainty; play a slower profile",
+        1000.0 * period_s, 1000.0 * limit_s);
   }
 
   // What the codes bring along is not the firmware's: of a lag beyond the limit it is taken off, and where the ATI's reading
@@ -91,7 +92,8 @@ class OutputJudge {
     if (!link && !reference) return false;
     c.verdict = Verdict::inconclusive;
     c.blame = codes_s < 0.0 ? Blame::reference : Blame::link;
-    c.evidence += fmt::format(", but {:.1f} ms behind its codes, which are {:.1f} ms {} the ATI", 1000.0 * own_s, 1000.0 * std::fabs(codes_s), codes_s < 0.0 ? "ahead of" : "behind");
+    c.evidence += fmt::format(", but {:.1f} ms behind its codes, which are {:.1f} ms {} the ATI", 1000.0 * own_s,
+                              1000.0 * std::fabs(codes_s), codes_s < 0.0 ? "ahead of" : "behind");
     return true;
   }
 

@@ -83,8 +83,10 @@ Result<void> averages_little(const PlanCase& c, const std::string& where) {
   if (const auto many = c.stimulus.lists.find("f_Hz"); many != c.stimulus.lists.end())
     for (const double f : many->second) f_Hz = std::max(f_Hz, f);
   if (!(c.half_width_s * f_Hz > kOfPeriod)) return {};
-  return fail(ErrorCode::config, fmt::format("half_width_ms of case '{}' averages over more of its period of {} ms than an extremum is wide", c.name, shortest(1000.0 / f_Hz)), where,
-              fmt::format("give at most {} ms, {} of the period", shortest(1000.0 * kOfPeriod / f_Hz), shortest(kOfPeriod)));
+  return fail(ErrorCode::config,
+              fmt::format("half_width_ms of case '{}' averages over more of its period of {} ms than an extremum is wide", c.name,
+                          shortest(1000.0 / f_Hz)),
+              where, fmt::format("give at most {} ms, {} of the period", shortest(1000.0 * kOfPeriod / f_Hz), shortest(kOfPeriod)));
 }
 
 double highest_N(const StimulusSpec& spec) {
@@ -178,7 +180,9 @@ Result<PlanCase> read_case(const ConfigNode& node, const Plan& plan) {
   for (const auto& [key, given] : {std::pair{"maxima_pct", &c.maxima_pct}, std::pair{"minima_pct", &c.minima_pct}}) {
     if (!r.number(key, limit, 0.0, 1000.0)) continue;
     *given = limit;
-    if (limit == 0.0) r.complain(*node.find(key), fmt::format("{} = 0 passes no firmware: every error has an uncertainty", key), "leave it out, and derive limits (forcegate limits)");
+    if (limit == 0.0)
+      r.complain(*node.find(key), fmt::format("{} = 0 passes no firmware: every error has an uncertainty", key),
+                 "leave it out, and derive limits (forcegate limits)");
   }
   r.text("limit_source", c.limit_source);
   const ConfigNode* stimulus = r.table("stimulus", ConfigReader::required);

@@ -45,12 +45,21 @@ class CaseRun {
   }
 
   bool setup() {
+    if (!(make_profile() && begin_rig() && choose_controller() && open_firmware() && begin_comparator() && begin_writer())) return false;
+    prepare_blocks();
+    return true;
+  }
+
+  bool make_profile() {
     auto stimulus = make_stimulus(job_.planned.stimulus);
     if (!stimulus) return failed(Stage::setup, stimulus.error());
     stimulus_ = std::move(*stimulus);
     record_.facts = stimulus_->facts();
     record_.duration_s = stimulus_->duration_s();
+    return true;
+  }
 
+  bool begin_rig() {
     RigRecordRequest request;
     request.specimen = job_.specimen;
     request.seed = job_.seed;
@@ -63,9 +72,11 @@ class CaseRun {
     request.faults = rig_faults(job_.faults);
     if (auto begun = gate_.begin(request); !begun) return failed(Stage::rig, begun.error());
     record_.rig = devices_.rig->info();
-    const double rate_Hz = record_.rig.rate_Hz;
-    record_.expected_samples = static_cast<std::uint64_t>(std::llround(record_.duration_s * rate_Hz));
+    record_.expected_samples = static_cast<std::uint64_t>(std::llround(record_.duration_s * record_.rig.rate_Hz));
+    return true;
+  }
 
+  bool choose_controller() {
     if (record_.rig.can_move) {
       const ControllerKind* kind = Registry<ControllerKind>::instance().find(job_.planned.controller);
       if (kind == nullptr)
@@ -78,25 +89,19 @@ class CaseRun {
       return failed(Stage::setup, {ErrorCode::config, "a recording cannot play a closed loop",
                                    job_.planned.where, "use an open-loop plan with --rig replay"});
     }
+    return true;
+  }
 
-    // a recording has the rate that somebody recorded it at, an option the one that was typed; else a rig has its own, and
-    // the image must keep it
-    const bool given = !record_.rig.can_move || job_.rig_options.contains("rate_Hz");
-    const auto is_rate = [](const Error& e) { return e.code == ErrorCode::config; };
-    const auto stage_of = [&](const Error& e) { return e.code == ErrorCode::usage || (given && is_rate(e)) ? Stage::setup : Stage::firmware; };
-    const auto blamed = [&](Error e) {
-      if (!given && is_rate(e)) e.code = ErrorCode::firmware;
-      return e;
-    };
+  bool open_firmware() {
     DutSession session;
     session.image = job_.image;
     session.nonce = job_.nonce;
-    session.rate_Hz = rate_Hz;
+    session.rate_Hz = record_.rig.rate_Hz;
     session.calibration = job_.calibration;
     auto opened = job_.planned.prelude_s > 0.0 ? play_prelude(*devices_.dut, devices_.comparator, session,
                                                               job_.planned.prelude_s, record_.prelude)
                                                : devices_.dut->open(session);
-    if (!opened) return failed(stage_of(opened.error()), blamed(opened.error()));
+    if (!opened) return failed_to_open(opened.error());
     record_.firmware = *opened;
     tell_guard(g_firmware_guard.load(std::memory_order_relaxed), *opened);
     dut_open_ = true;
@@ -105,20 +110,39 @@ class CaseRun {
                                       "the image did not echo the nonce of this record: stale output",
                                       job_.image,
                                       {}});
+    return true;
+  }
 
-    if (devices_.comparator != nullptr) {
-      ComparatorSession c{opened->algorithm_id, job_.calibration, rate_Hz};
-      if (auto begun = devices_.comparator->begin(c); !begun) {
-        if (begun.error().code != ErrorCode::config) return failed(Stage::harness, begun.error());
-        return failed(Stage::firmware, {ErrorCode::firmware, "the image declares an algorithm that is not what it runs: " + begun.error().text, job_.image,
-                                        "declare an id of its own (docs/protocol.md)"});
-      }
-      record_.conformance_known = true;
+  // A recording has the rate that somebody recorded it at, an option the one that was typed; else a rig has its own, and
+  // the image must keep it.
+  bool failed_to_open(Error error) {
+    const bool given = !record_.rig.can_move || job_.rig_options.contains("rate_Hz");
+    const bool is_rate = error.code == ErrorCode::config;
+    const Stage stage = error.code == ErrorCode::usage || (given && is_rate) ? Stage::setup : Stage::firmware;
+    if (!given && is_rate) error.code = ErrorCode::firmware;
+    return failed(stage, std::move(error));
+  }
+
+  bool begin_comparator() {
+    if (devices_.comparator == nullptr) return true;
+    const ComparatorSession session{record_.firmware.algorithm_id, job_.calibration, record_.rig.rate_Hz};
+    if (auto begun = devices_.comparator->begin(session); !begun) {
+      if (begun.error().code != ErrorCode::config) return failed(Stage::harness, begun.error());
+      return failed(Stage::firmware, {ErrorCode::firmware, "the image declares an algorithm that is not what it runs: " + begun.error().text, job_.image,
+                                      "declare an id of its own (docs/protocol.md)"});
     }
-    if (devices_.writer != nullptr)
-      if (auto begun = devices_.writer->begin(job_, record_); !begun)
-        return failed(Stage::harness, begun.error());
+    record_.conformance_known = true;
+    return true;
+  }
 
+  bool begin_writer() {
+    if (devices_.writer == nullptr) return true;
+    auto begun = devices_.writer->begin(job_, record_);
+    return begun ? true : failed(Stage::harness, begun.error());
+  }
+
+  void prepare_blocks() {
+    const double rate_Hz = record_.rig.rate_Hz;
     period_ = control_period(rate_Hz);
     on_board_ = devices_.rig->board_firmware() != nullptr;
     settled_ = SettledRows(rate_Hz);
@@ -132,7 +156,6 @@ class CaseRun {
     measurement_.emplace(job_, record_, record_.conformance_known ? devices_.comparator : nullptr,
                          block_rows_);
     measurement_->zero_before(devices_.rig->reference_zero());
-    return true;
   }
 
   // Set-points of the rows [at, at + n] of the block that begins at sample `first`.

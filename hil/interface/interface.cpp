@@ -65,16 +65,19 @@ std::string_view to_string(Limit::Kind k) {
   return {};
 }
 
-Result<std::unique_ptr<Stimulus>> make_stimulus(StimulusSpec spec) {
-  const StimulusKind* kind = Registry<StimulusKind>::instance().find(spec.name);
-  if (kind == nullptr) {
-    const auto names = Registry<StimulusKind>::instance().names();
-    const std::string near = nearest_name(spec.name, names);
-    return fail(ErrorCode::usage, "there is no stimulus named '" + printable_utf8(spec.name) + "'", {},
-                near.empty() ? "choose one of: " + join(names, ", ") : "did you mean '" + near + "'?");
-  }
+namespace {
+
+Result<const StimulusKind*> find_stimulus(const std::string& name) {
+  if (const StimulusKind* kind = Registry<StimulusKind>::instance().find(name)) return kind;
+  const auto names = Registry<StimulusKind>::instance().names();
+  const std::string near = nearest_name(name, names);
+  return fail(ErrorCode::usage, "there is no stimulus named '" + printable_utf8(name) + "'", {},
+              near.empty() ? "choose one of: " + join(names, ", ") : "did you mean '" + near + "'?");
+}
+
+Result<void> check_names(const StimulusSpec& spec, const StimulusKind& kind) {
   std::vector<std::string> known;
-  for (const StimulusParameter& p : kind->parameters) known.push_back(p.name);
+  for (const StimulusParameter& p : kind.parameters) known.push_back(p.name);
   const auto refuse_unknown = [&](const std::string& name) -> Result<void> {
     for (const std::string& k : known)
       if (k == name) return {};
@@ -86,48 +89,78 @@ Result<std::unique_ptr<Stimulus>> make_stimulus(StimulusSpec spec) {
   for (const auto& [name, value] : spec.numbers) FORCEGATE_CHECK_OK(refuse_unknown(name));
   for (const auto& [name, value] : spec.lists) FORCEGATE_CHECK_OK(refuse_unknown(name));
   for (const auto& [name, value] : spec.texts) FORCEGATE_CHECK_OK(refuse_unknown(name));
-  for (const StimulusParameter& p : kind->parameters) {
-    const auto range_error = [&](double v) {
-      return fail(ErrorCode::usage,
-                  "stimulus '" + spec.name + "': " + p.name + " = " + shortest(v) + " is out of range", {},
-                  "give a value from " + shortest(p.minimum) + " to " + shortest(p.maximum) + " " + p.unit);
-    };
-    if (!p.is_text && spec.texts.contains(p.name))
-      return fail(ErrorCode::usage, "stimulus '" + spec.name + "': " + p.name + " is text, and must be a number", {}, "write it without quotes");
-    const auto missing = [&] {
-      return fail(ErrorCode::usage, "stimulus '" + spec.name + "' needs " + p.name, {}, p.doc);
-    };
-    if (p.is_text) {
-      if (!spec.texts.contains(p.name)) {
-        if (std::isnan(p.fallback)) return missing();
-        spec.texts[p.name] = "";
-      }
-    } else if (p.is_list) {
-      if (const auto n = spec.numbers.find(p.name); n != spec.numbers.end()) {
-        spec.lists[p.name] = {n->second};  // a single number is a list of one
-        spec.numbers.erase(n);
-      }
-      if (!spec.lists.contains(p.name)) {
-        if (std::isnan(p.fallback)) return missing();
-        spec.lists[p.name] = {};
-      }
-      for (const double v : spec.lists[p.name])
-        if (!(v >= p.minimum && v <= p.maximum)) return range_error(v);
-    } else {
-      const auto [at, added] = spec.numbers.try_emplace(p.name, p.fallback);
-      if (std::isnan(at->second)) {
-        if (added) return missing();
-        return range_error(at->second);
-      }
-      if (!(at->second >= p.minimum && at->second <= p.maximum)) return range_error(at->second);
-    }
+  return {};
+}
+
+// Checks one parameter, or fills in what it is where nothing is given.
+class ParameterCheck {
+ public:
+  ParameterCheck(StimulusSpec& spec, const StimulusParameter& parameter) : spec_(spec), p_(parameter) {}
+
+  Result<void> run() {
+    if (!p_.is_text && spec_.texts.contains(p_.name))
+      return fail(ErrorCode::usage, "stimulus '" + spec_.name + "': " + p_.name + " is text, and must be a number", {}, "write it without quotes");
+    return p_.is_text ? text() : p_.is_list ? list() : number();
   }
-  // The facts of a profile are those of its settled part: a record must reach it.
-  const auto ramp = spec.numbers.find("ramp_s"), duration = spec.numbers.find("duration_s");
-  if (ramp != spec.numbers.end() && duration != spec.numbers.end() && ramp->second > 0.0 && ramp->second >= duration->second)
+
+ private:
+  Result<void> text() {
+    if (spec_.texts.contains(p_.name)) return {};
+    if (is_required()) return missing();
+    spec_.texts[p_.name] = "";
+    return {};
+  }
+
+  Result<void> list() {
+    if (const auto n = spec_.numbers.find(p_.name); n != spec_.numbers.end()) {
+      spec_.lists[p_.name] = {n->second};  // a single number is a list of one
+      spec_.numbers.erase(n);
+    }
+    if (!spec_.lists.contains(p_.name)) {
+      if (is_required()) return missing();
+      spec_.lists[p_.name] = {};
+    }
+    for (const double v : spec_.lists[p_.name])
+      if (!is_in_range(v)) return out_of_range(v);
+    return {};
+  }
+
+  Result<void> number() {
+    const auto [at, added] = spec_.numbers.try_emplace(p_.name, p_.fallback);
+    if (added && std::isnan(at->second)) return missing();
+    if (!is_in_range(at->second)) return out_of_range(at->second);
+    return {};
+  }
+
+  bool is_required() const { return std::isnan(p_.fallback); }
+  bool is_in_range(double v) const { return v >= p_.minimum && v <= p_.maximum; }  // nan is not
+  Unexpected missing() const { return fail(ErrorCode::usage, "stimulus '" + spec_.name + "' needs " + p_.name, {}, p_.doc); }
+  Unexpected out_of_range(double v) const {
     return fail(ErrorCode::usage,
-                "stimulus '" + spec.name + "' ends at " + shortest(duration->second) + " s, inside its loading ramp of " + shortest(ramp->second) + " s", {},
-                "raise duration_s, which counts the ramp, or lower ramp_s");
+                "stimulus '" + spec_.name + "': " + p_.name + " = " + shortest(v) + " is out of range", {},
+                "give a value from " + shortest(p_.minimum) + " to " + shortest(p_.maximum) + " " + p_.unit);
+  }
+
+  StimulusSpec& spec_;
+  const StimulusParameter& p_;
+};
+
+// The facts of a profile are those of its settled part: a record must reach it.
+Result<void> check_reaches_settled_part(const StimulusSpec& spec) {
+  const auto ramp = spec.numbers.find("ramp_s"), duration = spec.numbers.find("duration_s");
+  if (ramp == spec.numbers.end() || duration == spec.numbers.end() || !(ramp->second > 0.0 && ramp->second >= duration->second)) return {};
+  return fail(ErrorCode::usage,
+              "stimulus '" + spec.name + "' ends at " + shortest(duration->second) + " s, inside its loading ramp of " + shortest(ramp->second) + " s", {},
+              "raise duration_s, which counts the ramp, or lower ramp_s");
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Stimulus>> make_stimulus(StimulusSpec spec) {
+  FORCEGATE_TRY(const StimulusKind* const kind, find_stimulus(spec.name));
+  FORCEGATE_CHECK_OK(check_names(spec, *kind));
+  for (const StimulusParameter& p : kind->parameters) FORCEGATE_CHECK_OK(ParameterCheck(spec, p).run());
+  FORCEGATE_CHECK_OK(check_reaches_settled_part(spec));
   return kind->make(spec);
 }
 

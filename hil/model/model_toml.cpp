@@ -21,7 +21,8 @@ std::string place(const std::string& where, const toml::node& node) {
 }
 
 // A key that is not read would be a wish that nobody hears.
-Result<void> known_keys(const toml::table& table, const std::vector<std::string>& known, const std::string& where, const std::string& nothing_known = "take it out") {
+Result<void> known_keys(const toml::table& table, const std::vector<std::string>& known, const std::string& where,
+                        const std::string& nothing_known = "take it out") {
   for (const auto& [key, node] : table)
     if (std::find(known.begin(), known.end(), key.str()) == known.end()) {
       const std::string near = nearest_name(std::string(key.str()), known);
@@ -76,8 +77,7 @@ std::vector<std::string> names_of(const std::vector<ParameterSpec>& specs) {
   return out;
 }
 
-Result<ModelParameter> read_parameter(const toml::node& node, const std::string& name,
-                                      const std::string& where) {
+Result<ModelParameter> read_parameter(const toml::node& node, const std::string& name, const std::string& where) {
   ModelParameter p;
   p.name = name;
   p.minimum = -1e300;
@@ -100,20 +100,46 @@ Result<ModelParameter> read_parameter(const toml::node& node, const std::string&
   FORCEGATE_CHECK_OK(finite());
   FORCEGATE_TRY(p.se, value_of(*table, "se", 0.0, where));
   if (!(p.se >= 0.0) || !std::isfinite(p.se))
-    return fail(ErrorCode::config, fmt::format("the standard error of {} is {}", name, p.se), place(where, *(*table)["se"].node()), "write a number of 0 (not estimated) or more");
+    return fail(ErrorCode::config, fmt::format("the standard error of {} is {}", name, p.se), place(where, *(*table)["se"].node()),
+                "write a number of 0 (not estimated) or more");
   FORCEGATE_TRY(p.unit, value_of(*table, "unit", std::string(), where));
   FORCEGATE_TRY(p.minimum, value_of(*table, "min", -1e300, where));
   FORCEGATE_TRY(p.maximum, value_of(*table, "max", 1e300, where));
   FORCEGATE_TRY(p.neutral, value_of(*table, "neutral", 0.0, where));
   if (!(p.value >= p.minimum && p.value <= p.maximum))  // a bound may be nan
-    return fail(ErrorCode::config,
-                fmt::format("{} = {} lies outside [{}, {}]", name, p.value, p.minimum, p.maximum),
+    return fail(ErrorCode::config, fmt::format("{} = {} lies outside [{}, {}]", name, p.value, p.minimum, p.maximum),
                 place(where, node), "change the value or its bounds");
   return p;
 }
 
-Result<UserEffect> read_user_effect(const toml::table& table, const std::string& name,
-                                    const std::string& where) {
+Result<std::string> read_equation(const toml::node& node, const std::string& of, const std::string& where) {
+  if (const auto text = node.value_exact<std::string>(); text && !text->empty()) return *text;
+  return fail(ErrorCode::config, of + " is no equation", place(where, node), "write it in quotes: \"F * F\"");
+}
+
+// Every symbol of the equations means one thing, and every parameter is in one of them.
+Result<void> check_symbols(const UserEffect& effect, const toml::table& table, const std::string& where) {
+  std::vector<std::string> taken = user_inputs();
+  const auto at = [&](const char* section, const std::string& symbol) { return place(where, *table[section][symbol].node()); };
+  const auto take = [&](const char* section, const std::string& symbol) -> Result<void> {
+    if (std::ranges::find(taken, symbol) != taken.end())
+      return fail(ErrorCode::config,
+                  fmt::format("a {} of \"{}\" is called {}, which means something else in the equations", section, effect.name, symbol),
+                  at(section, symbol), "give it another name: F, dF, t, T and th are what the record holds");
+    taken.push_back(symbol);
+    return {};
+  };
+  for (const auto& [state, derivative] : effect.states) FORCEGATE_CHECK_OK(take("state", state));
+  for (const ModelParameter& p : effect.parameters) FORCEGATE_CHECK_OK(take("parameter", p.name));
+  FORCEGATE_TRY(const std::unique_ptr<UserEquation> made, UserEquation::make(effect));
+  for (const ModelParameter& p : effect.parameters)
+    if (!made->uses(p.name))
+      return fail(ErrorCode::config, "no equation of \"" + effect.name + "\" has the parameter " + p.name + ": nothing could tell its value",
+                  at("parameter", p.name), "write it into an equation, or leave it out");
+  return {};
+}
+
+Result<UserEffect> read_user_effect(const toml::table& table, const std::string& name, const std::string& where) {
   FORCEGATE_CHECK_OK(known_keys(table, {"name", "output", "state", "parameter"}, where));
   const auto bad = [&](const std::string& what, const std::string& help) {
     return fail(ErrorCode::config, what, place(where, table), help);
@@ -125,17 +151,13 @@ Result<UserEffect> read_user_effect(const toml::table& table, const std::string&
   if (!is_name) return bad("\"" + name + "\" is no name for an effect", "a letter, then letters, digits and _");
   UserEffect out;
   out.name = name;
-  const auto equation = [&](const toml::node& node, const std::string& of) -> Result<std::string> {
-    if (const auto text = node.value_exact<std::string>(); text && !text->empty()) return *text;
-    return fail(ErrorCode::config, of + " is no equation", place(where, node), "write it in quotes: \"F * F\"");
-  };
-  FORCEGATE_TRY(out.output, equation(*table["output"].node(), "output"));
+  FORCEGATE_TRY(out.output, read_equation(*table["output"].node(), "output", where));
   out.places.push_back(place(where, *table["output"].node()));
   FORCEGATE_TRY(const toml::table* const states, section_of(table, "state", where));
   FORCEGATE_TRY(const toml::table* const parameters, section_of(table, "parameter", where));
   if (states != nullptr)
     for (const auto& [key, node] : *states) {
-      FORCEGATE_TRY(std::string derivative, equation(node, fmt::format("state.{}", std::string(key.str()))));
+      FORCEGATE_TRY(std::string derivative, read_equation(node, fmt::format("state.{}", std::string(key.str())), where));
       out.states.emplace_back(std::string(key.str()), std::move(derivative));
       out.places.push_back(place(where, node));
     }
@@ -145,23 +167,7 @@ Result<UserEffect> read_user_effect(const toml::table& table, const std::string&
       FORCEGATE_CHECK_OK(check_unit_of_equations(p, place(where, node)));
       out.parameters.push_back(std::move(p));
     }
-  std::vector<std::string> taken = user_inputs();
-  const auto is_free = [&](const std::string& symbol) {
-    if (std::ranges::find(taken, symbol) != taken.end()) return false;
-    taken.push_back(symbol);
-    return true;
-  };
-  const std::string help = "give it another name: F, dF, t, T and th are what the record holds";
-  const auto at = [&](const char* section, const std::string& symbol) { return place(where, *table[section][symbol].node()); };
-  for (const auto& [state, derivative] : out.states)
-    if (!is_free(state)) return fail(ErrorCode::config, "a state of \"" + name + "\" is called " + state + ", which means something else in the equations", at("state", state), help);
-  for (const ModelParameter& p : out.parameters)
-    if (!is_free(p.name))
-      return fail(ErrorCode::config, "a parameter of \"" + name + "\" is called " + p.name + ", which means something else in the equations", at("parameter", p.name), help);
-  FORCEGATE_TRY(const std::unique_ptr<UserEquation> made, UserEquation::make(out));
-  for (const ModelParameter& p : out.parameters)
-    if (!made->uses(p.name))
-      return fail(ErrorCode::config, "no equation of \"" + name + "\" has the parameter " + p.name + ": nothing could tell its value", at("parameter", p.name), "write it into an equation, or leave it out");
+  FORCEGATE_CHECK_OK(check_symbols(out, table, where));
   return out;
 }
 
@@ -169,7 +175,9 @@ Result<UserEffect> read_user_effect(const toml::table& table, const std::string&
 Result<void> is_in(const ModelParameter& given, const std::string& unit, const std::string& where) {
   const std::string own = unit.empty() ? "1" : unit;
   if (given.unit.empty() || given.unit == own) return {};
-  return fail(ErrorCode::config, own == "1" ? fmt::format("{} has no unit, and here it is in \"{}\"", given.name, given.unit) : fmt::format("{} is in {}, not in \"{}\"", given.name, own, given.unit),
+  return fail(ErrorCode::config,
+              own == "1" ? fmt::format("{} has no unit, and here it is in \"{}\"", given.name, given.unit)
+                         : fmt::format("{} is in {}, not in \"{}\"", given.name, own, given.unit),
               where, "convert the value");
 }
 
@@ -189,7 +197,8 @@ Result<ModelEffect> read_effect(const toml::table& table, const EffectKind& kind
     FORCEGATE_TRY(const toml::table* const given, section_of(table, section, where));
     if (given != nullptr)
       FORCEGATE_CHECK_OK(known_keys(*given, names_of(*specs), where,
-                                    fmt::format("the form {} of {} has no {}; forcegate explain {} lists the forms with theirs", out.form, kind.name, section, kind.name)));
+                                    fmt::format("the form {} of {} has no {}; forcegate explain {} lists the forms with theirs",
+                                                out.form, kind.name, section, kind.name)));
   }
   const auto fill = [&](const char* section, const std::vector<ParameterSpec>& specs,
                         std::vector<ModelParameter>& parameters) -> Result<bool> {
@@ -203,10 +212,8 @@ Result<ModelEffect> read_effect(const toml::table& table, const EffectKind& kind
         p.minimum = std::min(spec.minimum, given.minimum > -1e299 ? given.minimum : spec.minimum);
         p.maximum = std::max(spec.maximum, given.maximum < 1e299 ? given.maximum : spec.maximum);
         if (p.value < p.minimum || p.value > p.maximum)
-          return fail(
-              ErrorCode::config,
-              fmt::format("{} = {} lies outside [{}, {}]", spec.name, p.value, p.minimum, p.maximum),
-              place(where, *node), spec.doc + "; min and max of the file may widen the bounds");
+          return fail(ErrorCode::config, fmt::format("{} = {} lies outside [{}, {}]", spec.name, p.value, p.minimum, p.maximum),
+                      place(where, *node), spec.doc + "; min and max of the file may widen the bounds");
       }
       parameters.push_back(p);
     }
@@ -245,24 +252,16 @@ Result<HistoryStep> read_step(const toml::table& t, const std::string& where) {
   return step;
 }
 
-}  // namespace
-
-std::vector<std::string> Model::effect_names() const {
-  std::vector<std::string> out;
-  for (const ModelEffect& e : effects) out.push_back(e.effect);
-  return out;
-}
-
-Result<Model> parse_model(std::string_view text, const std::string& where) {
-  toml::table root;
+Result<toml::table> parse_toml(std::string_view text, const std::string& where) {
   try {
-    root = toml::parse(text);
+    return toml::parse(text);
   } catch (const toml::parse_error& error) {
     return fail(ErrorCode::config, std::string(error.description()),
                 fmt::format("{}:{}:{}", where, error.source().begin.line, error.source().begin.column), "");
   }
-  FORCEGATE_CHECK_OK(known_keys(root, {"format", "name", "sensor", "source", "output_unit", "law", "effect", "history"}, where));
-  Model out;
+}
+
+Result<void> read_head(const toml::table& root, Model& out, const std::string& where) {
   FORCEGATE_TRY(const double format, value_of(root, "format", 1.0, where));
   if (format != 1.0)
     return fail(ErrorCode::config, fmt::format("format {} of the model file is not known", format), place(where, *root["format"].node()),
@@ -272,36 +271,35 @@ Result<Model> parse_model(std::string_view text, const std::string& where) {
   FORCEGATE_TRY(out.source, value_of(root, "source", std::string(), where));
   FORCEGATE_TRY(out.output_unit, value_of(root, "output_unit", std::string("V"), where));
   if (out.output_unit.empty())
-    return fail(ErrorCode::config, "output_unit is empty", place(where, *root["output_unit"].node()), "write the unit of the output (\"V\", \"S\"), or leave it out: volts");
-  FORCEGATE_TRY(const toml::table* const law, section_of(root, "law", where));
-  if (law == nullptr)
-    return fail(ErrorCode::config, "the model has no [law]", where, "forcegate fit writes one");
-  FORCEGATE_CHECK_OK(known_keys(*law, {"kind", "span_N", "gain_N_per_V", "offset_N", "b_scale", "q_scale", "b_slope_s_per_s",
-                                       "b_intercept_per_s", "q_curvature_per_N2", "lowest_N", "temperature_C", "humidity_pct", "drive_V",
-                                       "travel_N"}, where));
-  FORCEGATE_TRY(const std::string kind_of_law, value_of(*law, "kind", std::string("decaying"), where));
-  if (kind_of_law != "static" && kind_of_law != "decaying")
-    return fail(ErrorCode::config, "there is no law of kind \"" + kind_of_law + "\"", place(where, *(*law)["kind"].node()),
-                "write \"decaying\" or \"static\"");
-  out.law.decays = kind_of_law == "decaying";
-  FORCEGATE_TRY(out.frame, read_frame(*law, where));
-  const auto take = [&](const char* name, double& value, double* se) -> Result<bool> {
-    if (const toml::node* node = (*law)[name].node()) {
-      FORCEGATE_TRY(const ModelParameter p, read_parameter(*node, name, where));
-      const auto is = [&](std::string_view of) { return std::string_view(name) == of; };
-      const std::string wanted = is("gain_N_per_V") ? "N/" + out.output_unit : is("offset_N") ? "N" : is("b_scale") || is("q_scale") ? "1" : p.unit;
-      FORCEGATE_CHECK_OK(is_in(p, wanted, place(where, *node)));
-      constexpr double kBeyondAny = 1e12;  // a slip of the exponent, in whatever unit the output comes
-      const double size = std::abs(p.value);
-      if (is("gain_N_per_V") && p.value == 0.0) return fail(ErrorCode::config, "gain_N_per_V must not be 0", place(where, *node), "write the newtons that one volt means");
-      if (size > kBeyondAny || (is("gain_N_per_V") && size < 1.0 / kBeyondAny))
-        return fail(ErrorCode::config, fmt::format("{} = {} is beyond any sensor", name, p.value), place(where, *node), "check its exponent");
-      if ((is("b_scale") || is("q_scale")) && !(p.value > 0.0))
-        return fail(ErrorCode::config, fmt::format("{} = {} is not above 0", name, p.value), place(where, *node), "1 is the paper's");
-      value = p.value;
-      if (se != nullptr) *se = p.se;
-    }
-    return true;
+    return fail(ErrorCode::config, "output_unit is empty", place(where, *root["output_unit"].node()),
+                "write the unit of the output (\"V\", \"S\"), or leave it out: volts");
+  return {};
+}
+
+// A coefficient of the law in the unit and the range that it must have.
+Result<void> check_coefficient(const ModelParameter& p, std::string_view name, const std::string& output_unit, const std::string& where) {
+  constexpr double kBeyondAny = 1e12;  // a slip of the exponent, in whatever unit the output comes
+  const bool is_gain = name == "gain_N_per_V", is_scale = name == "b_scale" || name == "q_scale";
+  const std::string wanted = is_gain ? "N/" + output_unit : name == "offset_N" ? "N" : is_scale ? "1" : p.unit;
+  FORCEGATE_CHECK_OK(is_in(p, wanted, where));
+  const double size = std::abs(p.value);
+  if (is_gain && p.value == 0.0) return fail(ErrorCode::config, "gain_N_per_V must not be 0", where, "write the newtons that one volt means");
+  if (size > kBeyondAny || (is_gain && size < 1.0 / kBeyondAny))
+    return fail(ErrorCode::config, fmt::format("{} = {} is beyond any sensor", name, p.value), where, "check its exponent");
+  if (is_scale && !(p.value > 0.0))
+    return fail(ErrorCode::config, fmt::format("{} = {} is not above 0", name, p.value), where, "1 is the paper's");
+  return {};
+}
+
+Result<void> read_coefficients(const toml::table& law, Model& out, const std::string& where) {
+  const auto take = [&](const char* name, double& value, double* se) -> Result<void> {
+    const toml::node* node = law[name].node();
+    if (node == nullptr) return {};
+    FORCEGATE_TRY(const ModelParameter p, read_parameter(*node, name, where));
+    FORCEGATE_CHECK_OK(check_coefficient(p, name, out.output_unit, place(where, *node)));
+    value = p.value;
+    if (se != nullptr) *se = p.se;
+    return {};
   };
   FORCEGATE_CHECK_OK(take("gain_N_per_V", out.law.gain_N_per_V, &out.se_gain));
   FORCEGATE_CHECK_OK(take("offset_N", out.law.offset_N, &out.se_offset));
@@ -310,7 +308,38 @@ Result<Model> parse_model(std::string_view text, const std::string& where) {
   FORCEGATE_CHECK_OK(take("b_slope_s_per_s", out.law.b_slope, nullptr));
   FORCEGATE_CHECK_OK(take("b_intercept_per_s", out.law.b_intercept_per_s, nullptr));
   FORCEGATE_CHECK_OK(take("q_curvature_per_N2", out.law.q_curvature, nullptr));
+  return {};
+}
 
+Result<void> read_law(const toml::table& root, Model& out, const std::string& where) {
+  FORCEGATE_TRY(const toml::table* const law, section_of(root, "law", where));
+  if (law == nullptr) return fail(ErrorCode::config, "the model has no [law]", where, "forcegate fit writes one");
+  FORCEGATE_CHECK_OK(known_keys(*law, {"kind", "span_N", "gain_N_per_V", "offset_N", "b_scale", "q_scale", "b_slope_s_per_s",
+                                       "b_intercept_per_s", "q_curvature_per_N2", "lowest_N", "temperature_C", "humidity_pct", "drive_V",
+                                       "travel_N"}, where));
+  FORCEGATE_TRY(const std::string kind, value_of(*law, "kind", std::string("decaying"), where));
+  if (kind != "static" && kind != "decaying")
+    return fail(ErrorCode::config, "there is no law of kind \"" + kind + "\"", place(where, *(*law)["kind"].node()),
+                "write \"decaying\" or \"static\"");
+  out.law.decays = kind == "decaying";
+  FORCEGATE_TRY(out.frame, read_frame(*law, where));
+  return read_coefficients(*law, out, where);
+}
+
+Result<const EffectKind*> known_effect(const std::string& name, const std::string& where) {
+  const EffectKind* kind = EffectRegistry::instance().find(name);
+  if (kind == nullptr) {
+    const std::string near = nearest_name(name, EffectRegistry::instance().names());
+    return fail(ErrorCode::config, "no effect \"" + name + "\"", where,
+                near.empty() ? "give equations (output = ...) for an effect of your own" : "did you mean \"" + near + "\"?");
+  }
+  if (kind->forms.empty())
+    return fail(ErrorCode::config, name + " is found in the samples and is no part of a model: nothing of it can be computed from the force",
+                where, "take it out");
+  return kind;
+}
+
+Result<void> read_effects(const toml::table& root, Model& out, const std::string& where) {
   FORCEGATE_TRY(const std::vector<const toml::table*> effects, tables_of(root, "effect", where));
   for (const toml::table* table : effects) {
     FORCEGATE_TRY(const std::string name, value_of(*table, "name", std::string(), where));
@@ -321,23 +350,38 @@ Result<Model> parse_model(std::string_view text, const std::string& where) {
       out.user_effects.push_back(std::move(user));
       continue;
     }
-    const EffectKind* kind = EffectRegistry::instance().find(name);
-    if (kind != nullptr && kind->forms.empty())
-      return fail(ErrorCode::config, name + " is found in the samples and is no part of a model: nothing of it can be computed from the force", place(where, *table), "take it out");
-    if (kind == nullptr) {
-      const std::string near = nearest_name(name, EffectRegistry::instance().names());
-      return fail(ErrorCode::config, "no effect \"" + name + "\"", place(where, *table),
-                  near.empty() ? "give equations (output = ...) for an effect of your own"
-                               : "did you mean \"" + near + "\"?");
-    }
+    FORCEGATE_TRY(const EffectKind* const kind, known_effect(name, place(where, *table)));
     FORCEGATE_TRY(ModelEffect effect, read_effect(*table, *kind, where));
     out.effects.push_back(std::move(effect));
   }
+  return {};
+}
+
+Result<void> read_history(const toml::table& root, Model& out, const std::string& where) {
   FORCEGATE_TRY(const std::vector<const toml::table*> history, tables_of(root, "history", where));
   for (const toml::table* table : history) {
     FORCEGATE_TRY(HistoryStep step, read_step(*table, where));
     out.history.push_back(std::move(step));
   }
+  return {};
+}
+
+}  // namespace
+
+std::vector<std::string> Model::effect_names() const {
+  std::vector<std::string> out;
+  for (const ModelEffect& e : effects) out.push_back(e.effect);
+  return out;
+}
+
+Result<Model> parse_model(std::string_view text, const std::string& where) {
+  FORCEGATE_TRY(const toml::table root, parse_toml(text, where));
+  FORCEGATE_CHECK_OK(known_keys(root, {"format", "name", "sensor", "source", "output_unit", "law", "effect", "history"}, where));
+  Model out;
+  FORCEGATE_CHECK_OK(read_head(root, out, where));
+  FORCEGATE_CHECK_OK(read_law(root, out, where));
+  FORCEGATE_CHECK_OK(read_effects(root, out, where));
+  FORCEGATE_CHECK_OK(read_history(root, out, where));
   return out;
 }
 

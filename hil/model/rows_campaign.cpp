@@ -129,52 +129,64 @@ void set_start_times(CampaignInput& campaign) {
   lay_out_in_order(campaign);
   if (!rests_known && records.size() > 1) {
     campaign.has_start_times = false;
-    campaign.notes.push_back(silent.empty() ? "start times are not declared: records are taken in order with 10 min of rest between"
-                                            : silent + ": records are taken in order, with 10 min of rest where none is declared, and what goes with the campaign's time cannot be claimed");
+    campaign.notes.push_back(
+        silent.empty() ? "start times are not declared: records are taken in order with 10 min of rest between"
+                       : silent + ": records are taken in order, with 10 min of rest where none is declared, "
+                                  "and what goes with the campaign's time cannot be claimed");
   }
 }
 
-}  // namespace
+struct Rows {
+  std::vector<double> F_N, U_V;
+};
 
-void finish_campaign_input(CampaignInput& campaign, unsigned threads) {
-  auto& records = campaign.records;
-  set_start_times(campaign);
-
-  std::vector<double> F, U;
+// Some thousands of usable rows of every record.
+Rows thinned(const std::vector<RecordInput>& records) {
+  Rows out;
   for (const RecordInput& r : records) {
     // every so many of the usable rows: a stride over all of them may meet those alone where a sample is missing
     const std::size_t stride = std::max<std::size_t>(1, r.rows() / 4000);
     std::size_t seen = 0;
     for (std::size_t i = 0; i < r.rows(); ++i)
       if (r.ok[i] != 0 && seen++ % stride == 0) {
-        F.push_back(r.F_N[i]);
-        U.push_back(r.U_V[i]);
+        out.F_N.push_back(r.F_N[i]);
+        out.U_V.push_back(r.U_V[i]);
       }
   }
-  if (!F.empty()) {
-    const auto [low_N, high_N] = quantiles(std::move(F), 0.001, 0.999);
-    const auto [low_V, high_V] = quantiles(std::move(U), 0.001, 0.999);
-    campaign.lowest_N = low_N;
-    campaign.range_N = std::max(1e-12, high_N - low_N);
-    campaign.U_range_V = std::max(1e-12, high_V - low_V);
-    // a load that stood elsewhere for a moment only is in no quantile
-    constexpr double kMostOfIt = 0.5;
-    Extremes force, output;
-    for (const RecordInput& r : records)
-      for (const auto& [all, one] : {std::pair{&force, lasting(r, r.F_N)}, std::pair{&output, lasting(r, r.U_V)}}) {
-        all->low = std::min(all->low, one.low);
-        all->high = std::max(all->high, one.high);
-      }
-    if (campaign.range_N < kMostOfIt * force.span()) {
-      campaign.lowest_N = force.low;
-      campaign.range_N = force.span();
-      campaign.U_range_V = std::max(campaign.U_range_V, output.span());
-    }
-  }
+  return out;
+}
 
-  // As a regressor such a reading would pull gains to zero.
-  parallel_for(records.size(), threads, [&](std::size_t k) {
-    RecordInput& r = records[k];
+// A load that stood elsewhere for a moment only is in no quantile.
+void widen_to_what_lasts(CampaignInput& campaign) {
+  constexpr double kMostOfIt = 0.5;
+  Extremes force, output;
+  for (const RecordInput& r : campaign.records)
+    for (const auto& [all, one] : {std::pair{&force, lasting(r, r.F_N)}, std::pair{&output, lasting(r, r.U_V)}}) {
+      all->low = std::min(all->low, one.low);
+      all->high = std::max(all->high, one.high);
+    }
+  if (campaign.range_N < kMostOfIt * force.span()) {
+    campaign.lowest_N = force.low;
+    campaign.range_N = force.span();
+    campaign.U_range_V = std::max(campaign.U_range_V, output.span());
+  }
+}
+
+void set_ranges(CampaignInput& campaign) {
+  Rows rows = thinned(campaign.records);
+  if (rows.F_N.empty()) return;
+  const auto [low_N, high_N] = quantiles(std::move(rows.F_N), 0.001, 0.999);
+  const auto [low_V, high_V] = quantiles(std::move(rows.U_V), 0.001, 0.999);
+  campaign.lowest_N = low_N;
+  campaign.range_N = std::max(1e-12, high_N - low_N);
+  campaign.U_range_V = std::max(1e-12, high_V - low_V);
+  widen_to_what_lasts(campaign);
+}
+
+// As a regressor the noise of a force that stands still would pull gains to zero.
+void flatten_standing_forces(CampaignInput& campaign, unsigned threads) {
+  parallel_for(campaign.records.size(), threads, [&](std::size_t k) {
+    RecordInput& r = campaign.records[k];
     if (!stands_still(r, campaign.range_N)) return;
     const double middle =
         std::accumulate(r.F_N.begin(), r.F_N.end(), 0.0) / static_cast<double>(r.F_N.size());
@@ -182,8 +194,11 @@ void finish_campaign_input(CampaignInput& campaign, unsigned threads) {
     std::fill(r.fast_F_N.begin(), r.fast_F_N.end(), middle);
     std::fill(r.rate_N_per_s.begin(), r.rate_N_per_s.end(), 0.0);
   });
+}
 
-  double travel = 0.0;
+// A column that effects of every record need is there where all have it, one that acts in its own record where any has it.
+void note_columns(CampaignInput& campaign) {
+  const auto& records = campaign.records;
   const auto every = [&](auto member) {
     return !records.empty() && std::all_of(records.begin(), records.end(),
                                            [&](const RecordInput& r) { return !(r.*member).empty(); });
@@ -197,34 +212,65 @@ void finish_campaign_input(CampaignInput& campaign, unsigned threads) {
   campaign.has_humidity = every(&RecordInput::humidity);
   campaign.has_command = some(&RecordInput::F_cmd_N);
   campaign.has_capacitance = some(&RecordInput::C_F);
-  double drive_low = 1e300, drive_high = -1e300;
-  bool drive_known = !records.empty();
+}
+
+bool drives_differ(const std::vector<RecordInput>& records) {
+  double low_V = 1e300, high_V = -1e300;
+  bool known = !records.empty();
+  for (const RecordInput& r : records) {
+    known &= std::isfinite(r.drive_mean_V);
+    low_V = std::min(low_V, r.drive_mean_V);
+    high_V = std::max(high_V, r.drive_mean_V);
+  }
+  return known && high_V - low_V > 0.02 * std::abs(high_V);
+}
+
+// The first record follows a rest without end.
+void set_rests(std::vector<RecordInput>& records) {
   for (std::size_t k = 0; k < records.size(); ++k) {
     RecordInput& r = records[k];
-    r.index = r.recording = k;
-    drive_known &= std::isfinite(r.drive_mean_V);
-    drive_low = std::min(drive_low, r.drive_mean_V);
-    drive_high = std::max(drive_high, r.drive_mean_V);
     if (!std::isfinite(r.rest_before_s))
       r.rest_before_s =
           k == 0 ? 1e5 : std::max(0.0, r.start_s - records[k - 1].start_s - records[k - 1].duration_s);
-    r.travel_before_N = travel;
-    r.travel_N.assign(r.rows(), 0.0);
-    // travel of the force behind a play of 2 % of the span: noise does not wear anything
-    double state = r.F_N.empty() ? 0.0 : r.F_N[0], sum = 0.0;
-    const double radius = 0.02 * campaign.range_N;
-    for (std::size_t i = 0; i < r.rows(); ++i) {
-      const double next = std::clamp(state, r.F_N[i] - radius, r.F_N[i] + radius);
-      sum += std::abs(next - state);
-      state = next;
-      r.travel_N[i] = sum;
-    }
-    travel += sum;
   }
+}
+
+// Travel of the force behind a play of 2 % of the span: noise does not wear anything. Returns that of the whole record.
+double set_travel(RecordInput& r, double range_N) {
+  r.travel_N.assign(r.rows(), 0.0);
+  double state = r.F_N.empty() ? 0.0 : r.F_N[0], sum = 0.0;
+  const double radius = 0.02 * range_N;
+  for (std::size_t i = 0; i < r.rows(); ++i) {
+    const double next = std::clamp(state, r.F_N[i] - radius, r.F_N[i] + radius);
+    sum += std::abs(next - state);
+    state = next;
+    r.travel_N[i] = sum;
+  }
+  return sum;
+}
+
+void add_up_travel(CampaignInput& campaign) {
+  double travel_N = 0.0;
+  for (RecordInput& r : campaign.records) {
+    r.travel_before_N = travel_N;
+    travel_N += set_travel(r, campaign.range_N);
+  }
+  campaign.travel_total_N = std::max(travel_N, 1e-9);
+}
+
+}  // namespace
+
+void finish_campaign_input(CampaignInput& campaign, unsigned threads) {
+  set_start_times(campaign);
+  set_ranges(campaign);
+  flatten_standing_forces(campaign, threads);
+  for (std::size_t k = 0; k < campaign.records.size(); ++k) campaign.records[k].index = campaign.records[k].recording = k;
+  set_rests(campaign.records);
+  add_up_travel(campaign);
   number_mountings(campaign);
+  note_columns(campaign);
   note_missing_facts(campaign);
-  campaign.has_drive = drive_known && drive_high - drive_low > 0.02 * std::abs(drive_high);
-  campaign.travel_total_N = std::max(travel, 1e-9);
+  campaign.has_drive = drives_differ(campaign.records);
 }
 
 std::vector<std::size_t> sample_counts(const Campaign& campaign) {

@@ -31,7 +31,8 @@ std::string chance_sentence(const Diagnosis& d) {
     return "With the signs of what is left turned over by chance, " + display(d.expected_false, 2) +
            " effects pass the threshold: chance alone claims hardly anything here.";
   return "What is left is no noise: with its signs turned over by chance, " + display(d.expected_false, 2) +
-         (display(d.expected_false, 2) == "1" ? " effect still passes" : " effects still pass") + " the threshold. What ranks without a claim may be a leftover of something else.";
+         (display(d.expected_false, 2) == "1" ? " effect still passes" : " effects still pass") +
+         " the threshold. What ranks without a claim may be a leftover of something else.";
 }
 
 // What else than claims the error after holds, as the waterfall draws it hollow.
@@ -178,7 +179,10 @@ std::string where(const Diagnosis& d) {
              display(100.0 * m.share, 2) + " %)</li>";
   if (said == 0) out += "<li>No coordinate predicts the residual on rows that it was not made from.</li>";
   const bool changed = has_after(d);
-  out += "</ul>\n<div class=\"figs\">" + picture(residual_map_figure(d, false), changed ? "Before." : d.maps_after.empty() ? "" : "Nothing entered the model: before and after are one.");
+  out += "</ul>\n<div class=\"figs\">" +
+         picture(residual_map_figure(d, false), changed                ? "Before."
+                                                : d.maps_after.empty() ? ""
+                                                                       : "Nothing entered the model: before and after are one.");
   if (changed) out += picture(residual_map_figure(d, true), "After, same colours.");
   out += "</div>\n<div class=\"figs s\">";
   std::size_t drawn = 0;
@@ -228,7 +232,11 @@ std::string records(const Diagnosis& d) {
   if (d.records.empty()) return {};
   const bool no_input = !(d.force_range_N > 0.0);
   const bool any_heldout = std::ranges::any_of(d.records, &RecordError::heldout);
-  const std::string role = any_heldout ? "fitted" : d.judged_by == JudgedBy::whole ? "fitted as a whole" : d.records.size() > 1 ? "left out in turn" : no_input ? "in tenths" : "in blocks";
+  const std::string role = any_heldout                      ? "fitted"
+                           : d.judged_by == JudgedBy::whole ? "fitted as a whole"
+                           : d.records.size() > 1           ? "left out in turn"
+                           : no_input                       ? "in tenths"
+                                                            : "in blocks";
   const PrintedUnit unit = printed_unit(d.unit);
   const auto shown = [&](double error, int digits) { return cell(display(unit.factor * error, digits), true); };
   const bool changed = std::ranges::any_of(d.records, [](const RecordError& r) { return r.before != r.after || r.plain_before != r.plain_after; });
@@ -280,7 +288,8 @@ std::string next(const Diagnosis& d) {
            cell(fmt::format("{:.2f} \u2192 {:.2f}", s.cosine_before, s.cosine_after)) +
            cell(escape(odds_text(s.odds_before) + " \u2192 " + odds_text(s.odds_after))) + "</tr>\n";
   }
-  return out + std::string(kTableEnd) + "<p><code>forcegate next</code> with the campaign writes these forces as files (<code>-o FOLDER</code>) or plays them (<code>--run</code>).</p></section>\n";
+  return out + std::string(kTableEnd) +
+         "<p><code>forcegate next</code> with the campaign writes these forces as files (<code>-o FOLDER</code>) or plays them (<code>--run</code>).</p></section>\n";
 }
 
 // A comparison has none; its samples that were set aside count before alone.

@@ -101,12 +101,17 @@ Figure spectrum_figure(const ResidualSpectrum& s, const std::string& unit, bool 
   for (std::size_t i = 1; i < std::min(s.f_Hz.size(), s.residual.size()); ++i)
     if (const double ratio = above_neighbours(s.residual, i); ratio > most) most = ratio, line = i;
   if (const std::optional<FoldedLine> hum = mains ? folded_mains(s) : std::nullopt; hum && (most < kLine || hum->near(line)))
-    figure.summary = "The line at " + display(s.f_Hz[hum->at], 3) + " Hz is the hum that is claimed: " + (hum->folded ? "rows of " + display(500.0 / s.f_Hz.back(), 2) + " ms fold its " + display(hum->mains_Hz, 2) + " Hz there." : "its frequency is as it was recorded.");
+    figure.summary =
+        "The line at " + display(s.f_Hz[hum->at], 3) + " Hz is the hum that is claimed: " +
+        (hum->folded ? "rows of " + display(500.0 / s.f_Hz.back(), 2) + " ms fold its " + display(hum->mains_Hz, 2) + " Hz there."
+                     : "its frequency is as it was recorded.");
   else if (most < kLine)
     figure.summary = "No line stands out of the residual by more than " + display(kLine, 1) + " times what is around it.";
   else
     figure.summary = "The residual has a line at " + display(s.f_Hz[line], 3) + " Hz" +
-                     (above_neighbours(s.load, line) > kOfTheLoad ? ", where the load has one." : ", where the load has none: a harmonic that the model lacks, mains or a resonance.") +
+                     (above_neighbours(s.load, line) > kOfTheLoad
+                          ? ", where the load has one."
+                          : ", where the load has none: a harmonic that the model lacks, mains or a resonance.") +
                      afterwards(s, line);
   return figure;
 }

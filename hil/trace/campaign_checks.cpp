@@ -76,7 +76,8 @@ void drop_range_in_volts(Campaign& campaign) {
     }
   }
   if (static_cast<double>(beyond) <= kShare * static_cast<double>(all)) return;
-  campaign.notes.push_back("the output is in counts, up to " + plain_number(highest) + ", and voltage_range_V [" + shortest(bench.voltage_min_V) + ", " + shortest(bench.voltage_max_V) +
+  campaign.notes.push_back("the output is in counts, up to " + plain_number(highest) + ", and voltage_range_V [" +
+                           shortest(bench.voltage_min_V) + ", " + shortest(bench.voltage_max_V) +
                            "] is hardly theirs: it is not used; say the range in counts, [0, 4096] for 12 bits");
   bench.voltage_min_V = bench.voltage_max_V = kMissing;
 }
@@ -106,15 +107,18 @@ void note_facts_beyond_spans(Campaign& campaign) {
   constexpr double kHardlyUsed = 200.0;  // ranges as wide as so many spans
   const BenchFacts& bench = campaign.bench;
   const auto note = [&](const std::string& declared, const char* name, const char* unit, std::pair<double, double> range) {
-    campaign.notes.push_back(declared + " " + unit + " is declared, and " + name + " of these records runs from " + plain_number(range.first) + " to " + plain_number(range.second) + " " + unit +
-                             ": is it in " + unit + "? It counts as it stands");
+    campaign.notes.push_back(declared + " " + unit + " is declared, and " + name + " of these records runs from " +
+                             plain_number(range.first) + " to " + plain_number(range.second) + " " + unit + ": is it in " + unit +
+                             "? It counts as it stands");
   };
   const auto force = range_of(campaign, "F_ref", "N"), output = range_of(campaign, "U", "V");
   const double force_N = force.second - force.first;
   for (const auto& [key, value] : {std::pair{"reference_noise_N", bench.reference_noise_N}, std::pair{"reference_resolution_N", bench.reference_resolution_N}})
     if (force_N > 0.0 && value > force_N) note(std::string(key) + " " + shortest(value), "F_ref", "N", force);
-  const auto range = [&](const std::string& key, double low, double high, const char* name, const char* unit, std::pair<double, double> seen) {
-    if (const double span = seen.second - seen.first; span > 0.0 && high - low > kHardlyUsed * span) note(key + " [" + shortest(low) + ", " + shortest(high) + "]", name, unit, seen);
+  const auto range = [&](const std::string& key, double low, double high, const char* name, const char* unit,
+                         std::pair<double, double> seen) {
+    if (const double span = seen.second - seen.first; span > 0.0 && high - low > kHardlyUsed * span)
+      note(key + " [" + shortest(low) + ", " + shortest(high) + "]", name, unit, seen);
   };
   range("voltage_range_V", bench.voltage_min_V, bench.voltage_max_V, "U", "V", output);
   range("force_range_N", bench.force_min_N, bench.force_max_N, "F_ref", "N", force);
@@ -157,8 +161,8 @@ void note_rests_beyond_starts(Campaign& campaign) {
     const double gap_s = *record->start_s - end_s;
     if (former != nullptr && record->rest_before_s && *record->rest_before_s > gap_s + std::max(kRounding_s, kShareOfTime * gap_s)) {
       if (first.empty())
-        first = "rest_before_s of " + record->name + " (" + shortest(*record->rest_before_s) + " s) is longer than the " + plain_number(std::max(0.0, gap_s)) + " s from the end of " + former->name +
-                " to its start_s";
+        first = "rest_before_s of " + record->name + " (" + shortest(*record->rest_before_s) + " s) is longer than the " +
+                plain_number(std::max(0.0, gap_s)) + " s from the end of " + former->name + " to its start_s";
       else
         others.push_back(record->name);
     }
@@ -190,7 +194,8 @@ Unfit unfit(const Trace& trace) {
   const double rate_Hz = trace.time_bases.empty() ? 0.0 : trace.time_bases.front().nominal_rate_Hz;
   const double needed = kFewestRows * (rate_Hz > 0.0 ? samples_of_row(1.0 / rate_Hz) : 1.0);
   if (static_cast<double>(trace.size()) < needed)
-    out.too_short = "the record has only " + std::to_string(trace.size()) + (trace.size() == 1 ? " sample" : " samples") + ", at least " + shortest(needed) + " are needed" + (needed > kFewestRows ? " at this rate" : "");
+    out.too_short = "the record has only " + std::to_string(trace.size()) + (trace.size() == 1 ? " sample" : " samples") + ", at least " +
+                    shortest(needed) + " are needed" + (needed > kFewestRows ? " at this rate" : "");
   std::vector<std::string> columns;
   for (const Channel& channel : trace.channels) columns.push_back(header_of(channel.name, channel.unit));
   for (const auto& [name, what] : {std::pair{"F_ref", "reference force"}, std::pair{"U", "output"}})
@@ -271,8 +276,11 @@ Result<void> check_outputs_alike(const Campaign& campaign) {
   for (const Record& record : campaign.records) {
     const std::string name = unit_of(record);
     if (name.empty() || name == common.name) continue;
-    return fail(ErrorCode::parse, "the output of " + record.name + " is in " + name + ", that of " + (common.records > 1 ? "the others" : "another") + " in " + common.name + ": one campaign is one output",
-                record.place_of_header(), "take the record out, or convert it; where only its header is wrong: --map NAME=U_" + common.name);
+    return fail(ErrorCode::parse,
+                "the output of " + record.name + " is in " + name + ", that of " + (common.records > 1 ? "the others" : "another") +
+                    " in " + common.name + ": one campaign is one output",
+                record.place_of_header(),
+                "take the record out, or convert it; where only its header is wrong: --map NAME=U_" + common.name);
   }
   return {};
 }
@@ -296,8 +304,10 @@ void take_varied_supply(Campaign& campaign) {
   const bool was_set = highest_V - lowest_V > std::max(kSet * std::max(std::fabs(lowest_V), std::fabs(highest_V)), within_V);
   for (Channel* supply : supplies)
     if (was_set) supply->name = "drive";
-  campaign.notes.push_back(was_set ? "the supply was set from " + plain_number(lowest_V) + " to " + plain_number(highest_V) + " V from record to record: it was taken for the sensor's drive"
-                                   : "not used: the supply, which nobody set from record to record; is it the sensor's drive, map it: --map NAME=drive_V");
+  campaign.notes.push_back(
+      was_set ? "the supply was set from " + plain_number(lowest_V) + " to " + plain_number(highest_V) +
+                    " V from record to record: it was taken for the sensor's drive"
+              : "not used: the supply, which nobody set from record to record; is it the sensor's drive, map it: --map NAME=drive_V");
 }
 
 }  // namespace forcegate

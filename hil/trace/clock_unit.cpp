@@ -57,7 +57,9 @@ Result<ClockUnit> unit_of_clock(const std::vector<double>& stamps, const std::st
                 "say its unit, for instance " + map_to(column, "us") + " where it counts microseconds");
   }
   const bool whole = are_whole(stamps), in_days = first >= kFirstDay && first < kLastDay;
-  const bool of_one_day = assumed && !whole && std::ranges::all_of(stamps, [](double t) { return !std::isfinite(t) || (t >= 0.0 && t < 1.0); });  // times of day in a spreadsheet
+  const bool of_one_day = assumed && !whole && std::ranges::all_of(stamps, [](double t) {
+                            return !std::isfinite(t) || (t >= 0.0 && t < 1.0);
+                          });  // times of day in a spreadsheet
   if (!assumed && !in_days) return ClockUnit{};
   if (!whole && !in_days && !of_one_day) return ClockUnit{};
   const double step = typical_step(stamps);
@@ -68,10 +70,12 @@ Result<ClockUnit> unit_of_clock(const std::vector<double>& stamps, const std::st
     };
     if (agrees(1.0)) return ClockUnit{};
     for (const Fraction& unit : kFractions)
-      if (agrees(unit.factor)) return ClockUnit{unit.factor, fmt::format("the clock \"{}\" was read as {}, which agrees with {} Hz", column, unit.name, shortest(declared_rate_Hz))};
+      if (agrees(unit.factor))
+        return ClockUnit{unit.factor, fmt::format("the clock \"{}\" was read as {}, which agrees with {} Hz", column, unit.name,
+                                                  shortest(declared_rate_Hz))};
     const Fraction& likely = step < 2e3 ? kFractions[0] : step < 2e6 ? kFractions[1] : kFractions[2];
-    return ClockUnit{1.0, fmt::format("the clock \"{}\" was taken for seconds, a sample every {} s; if it counts {}: {} (seconds: {})", column, plain_number(step), likely.name,
-                                      map_to(column, likely.symbol), map_to(column, "s"))};
+    return ClockUnit{1.0, fmt::format("the clock \"{}\" was taken for seconds, a sample every {} s; if it counts {}: {} (seconds: {})",
+                                      column, plain_number(step), likely.name, map_to(column, likely.symbol), map_to(column, "s"))};
   }
   if ((in_days && step > 0.0 && step < (assumed ? kDense_s : kTooDense_s)) || (of_one_day && step > 0.0 && step < kTooDense_s))
     return ClockUnit{1.0, fmt::format("the clock \"{}\" was taken for seconds; if it counts days, as a spreadsheet does: {}", column, map_to(column, "days"))};

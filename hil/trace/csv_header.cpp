@@ -132,7 +132,9 @@ bool CsvParser::holds_units() const {
     const std::string symbol = unit_text(cell);
     if (says_no_unit(symbol)) continue;
     const bool known = find_unit(symbol).has_value();
-    if (!known && !is_form_of_stamps(symbol) && (symbol.size() > kLongest || read_cell(cell, '.', value) != CsvCell::text || read_cell(cell, ',', value) != CsvCell::text)) return false;
+    if (!known && !is_form_of_stamps(symbol) &&
+        (symbol.size() > kLongest || read_cell(cell, '.', value) != CsvCell::text || read_cell(cell, ',', value) != CsvCell::text))
+      return false;
     units += known;
   }
   return units > 0;
@@ -179,7 +181,8 @@ bool CsvParser::row_of_oscilloscope() {
   scope_start_s_ = start_s;
   scope_step_s_ = step_s;
   table_.skipped_lines.push_back(line_);
-  table_.notes.push_back("the second line was read as an oscilloscope's: units, and rows " + in_quotes(trim(cells_[n - 1])) + " s apart from " + in_quotes(trim(cells_[n - 2])) + " s on");
+  table_.notes.push_back("the second line was read as an oscilloscope's: units, and rows " + in_quotes(trim(cells_[n - 1])) +
+                         " s apart from " + in_quotes(trim(cells_[n - 2])) + " s on");
   return true;
 }
 

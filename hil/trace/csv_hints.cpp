@@ -66,7 +66,9 @@ std::string hint_for_cell(std::string_view cell, char point) {
   cell = unquoted(cell);
   if (cell.find('\0') != std::string_view::npos) return "bytes of zero are no text: the file was cut or damaged there; take the line out, or export the file anew";
   if (cell.find("\xE2\x88\x92") != std::string_view::npos) return "its minus sign is the typographical one (U+2212): replace it by - throughout the file";
-  if (is_date_of_slashes(cell)) return std::string(kWhichIsTheMonth) + " is not told by " + printable_utf8(cell.substr(0, cell.find_first_of(" ,T"))) + ": write dates as 2024-05-31T10:31:07";
+  if (is_date_of_slashes(cell))
+    return std::string(kWhichIsTheMonth) + " is not told by " + printable_utf8(cell.substr(0, cell.find_first_of(" ,T"))) +
+           ": write dates as 2024-05-31T10:31:07";
   double value;
   const char other = point == '.' ? ',' : '.';
   if (const std::string plain = without_thousands(cell, point); !plain.empty()) {
@@ -77,7 +79,8 @@ std::string hint_for_cell(std::string_view cell, char point) {
   if (read_cell(cell, other, value) == CsvCell::number)
     return std::string("the decimals of this file are ") + (point == '.' ? "points; write 1.5 and not 1,5" : "commas; write 1,5 and not 1.5");
   const std::size_t number = cell.find_first_not_of("+-.,0123456789");
-  if (number != std::string_view::npos && number > 0 && is_digit(cell[number - 1]) && read_cell(cell.substr(0, number), point, value) == CsvCell::number && cell.size() < number + 8 &&
+  if (number != std::string_view::npos && number > 0 && is_digit(cell[number - 1]) &&
+      read_cell(cell.substr(0, number), point, value) == CsvCell::number && cell.size() < number + 8 &&
       cell.find_first_of("/:0123456789", number) == std::string_view::npos)
     return "write the number alone; a unit belongs behind the name of the column, as in F_ref_N";
   return "leave the cell empty when the value is missing";
@@ -87,7 +90,9 @@ std::string hint_for_line(const std::vector<std::string_view>& cells, std::size_
   if (separator == ',' && cells.size() >= 2 * columns - 1 && columns > 1)
     return "these look like decimal commas; write decimal points, or separate the columns by semicolons";
   // several blanks are one separator
-  const std::string missing = separator == ' ' ? "; blanks leave no cell empty: write nan for a missing value, or separate the columns by commas" : "; leave a missing value empty";
+  const std::string missing = separator == ' '
+                                  ? "; blanks leave no cell empty: write nan for a missing value, or separate the columns by commas"
+                                  : "; leave a missing value empty";
   if (!seen_data) return "the first line must name the columns: take out what stands above the line of names" + missing;
   const bool no_numbers = std::ranges::none_of(cells, [](std::string_view cell) {
     double value;

@@ -153,7 +153,8 @@ Result<void> CsvParser::slow_row(std::string_view line, bool cut_short) {
       table_.notes.push_back("the last line is cut short and was dropped");
       return {};
     }
-    const Unexpected ragged = error("the line has " + std::to_string(cells_.size()) + (cells_.size() == 1 ? " cell" : " cells") + ", the header has " + std::to_string(row_.size()) + " columns",
+    const Unexpected ragged = error("the line has " + std::to_string(cells_.size()) + (cells_.size() == 1 ? " cell" : " cells") +
+                                        ", the header has " + std::to_string(row_.size()) + " columns",
                                     line.size() + 1, hint_for_line(cells_, row_.size(), separator_, seen_data_));
     // between blanks nobody can tell which cell is missing: the row is, where few are
     if (separator_ != ' ' || !seen_data_ || cells_.size() > row_.size() || !is_row(cells_)) return ragged;
@@ -188,7 +189,9 @@ Result<void> CsvParser::slow_row(std::string_view line, bool cut_short) {
   }
   if (all_text && !seen_data_)
     return error("no cell of the first line below the names is a number: " + in_quotes(trim(line)), 1,
-                 hint_for_cell(cells_[0], point_).starts_with("leave") ? "one line must name the columns, and rows of numbers stand below it" : hint_for_cell(cells_[0], point_));
+                 hint_for_cell(cells_[0], point_).starts_with("leave")
+                     ? "one line must name the columns, and rows of numbers stand below it"
+                     : hint_for_cell(cells_[0], point_));
   if (!seen_data_)
     for (std::size_t c = 0; c < row_.size(); ++c) table_.columns[c].dates = seconds_of_stamp(unquoted(cells_[c])).has_value();
   seen_data_ = true;

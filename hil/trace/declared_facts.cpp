@@ -96,7 +96,8 @@ class Check {
       note("fs_Hz", *record_.rate_Hz, "Hz", "the clock of the file has " + plain_number(rate_Hz) + " Hz, which counts: mend one of them");
     if (record_.excitation_start_s && !base.t_s.empty() && *record_.excitation_start_s >= base.t_s.back() &&
         *record_.excitation_start_s >= base.t_s.back() - base.t_s.front())
-      drop(record_.excitation_start_s, "excitation_start_s", "s", "the record ends at " + plain_number(base.t_s.back()) + " s", "it is in seconds, since the first sample or by the clock of the file");
+      drop(record_.excitation_start_s, "excitation_start_s", "s", "the record ends at " + plain_number(base.t_s.back()) + " s",
+           "it is in seconds, since the first sample or by the clock of the file");
   }
 
   // By either way of counting it: from the first sample, or by the clock.
@@ -107,7 +108,8 @@ class Check {
     std::size_t turns = seen_.turns_up_to(start_s);
     if (t_s.front() != 0.0) turns = std::min(turns, seen_.turns_up_to(t_s.front() + start_s));
     if (turns >= kFewestTurns)
-      drop(record_.excitation_start_s, "excitation_start_s", "s", "the force turned " + std::to_string(turns) + " times without a rest up to then", "it is where the cycles begin");
+      drop(record_.excitation_start_s, "excitation_start_s", "s",
+           "the force turned " + std::to_string(turns) + " times without a rest up to then", "it is where the cycles begin");
   }
 
   void swing() {

@@ -26,7 +26,8 @@ std::optional<double> ohms(std::string_view text) {
 Result<Divider> parse_divider(std::string_view word) {
   const std::vector<std::string> parts = split(word, ':');
   const auto refused = [&](const std::string& what) {
-    return fail(ErrorCode::usage, what, "--divider " + printable_utf8(std::string(word)), "write OHMS:SUPPLY, for instance 10k:5, and :below where the sensor is between output and ground");
+    return fail(ErrorCode::usage, what, "--divider " + printable_utf8(std::string(word)),
+                "write OHMS:SUPPLY, for instance 10k:5, and :below where the sensor is between output and ground");
   };
   if (parts.size() < 2 || parts.size() > 3) return refused("a divider is a resistor and a supply");
   const std::optional<double> R_ohm = ohms(parts[0]), supply = ohms(parts[1]);
@@ -44,7 +45,9 @@ Result<void> read_divider(Campaign& campaign, const Divider& divider) {
     Channel* U = record.trace.find("U");
     if (U == nullptr) continue;
     if (U->quantity != "voltage" && U->quantity != "code")
-      return fail(ErrorCode::config, "a divider has an output in volts or counts, and this one is in " + (U->unit.empty() ? "no known unit" : U->unit), record.place(), "leave --divider out");
+      return fail(ErrorCode::config,
+                  "a divider has an output in volts or counts, and this one is in " + (U->unit.empty() ? "no known unit" : U->unit),
+                  record.place(), "leave --divider out");
     unit = U->unit;
     std::size_t beyond = 0, samples = 0;
     for (double& u : U->value) {
@@ -58,14 +61,17 @@ Result<void> read_divider(Campaign& campaign, const Divider& divider) {
       u = is_beyond || under == 0.0 ? kMissing : over / (divider.R_ohm * under);
     }
     if (static_cast<double>(beyond) > kMostBeyond * static_cast<double>(samples))
-      return fail(ErrorCode::parse, fmt::format("{} of {} samples of the output lie beyond 0 and the supply of the divider, {} {}", beyond, samples, shortest(divider.supply), unit), record.place(),
-                  "give the supply in the unit of the output: volts, or counts (1024 for 10 bits)");
+      return fail(ErrorCode::parse,
+                  fmt::format("{} of {} samples of the output lie beyond 0 and the supply of the divider, {} {}", beyond, samples,
+                              shortest(divider.supply), unit),
+                  record.place(), "give the supply in the unit of the output: volts, or counts (1024 for 10 bits)");
     U->unit = "S";
     U->quantity = "conductance";
     U->raw.clear();
   }
-  campaign.notes.push_back(fmt::format("the output is read as the conductance of a sensor {} {} ohm at {} {}, siemens{}", divider.sensor_below ? "below" : "above", shortest(divider.R_ohm), shortest(divider.supply),
-                                       unit, lost > 0 ? fmt::format("; {} samples at an end of the supply are missing", lost) : ""));
+  campaign.notes.push_back(fmt::format("the output is read as the conductance of a sensor {} {} ohm at {} {}, siemens{}",
+                                       divider.sensor_below ? "below" : "above", shortest(divider.R_ohm), shortest(divider.supply), unit,
+                                       lost > 0 ? fmt::format("; {} samples at an end of the supply are missing", lost) : ""));
   return {};
 }
 

@@ -35,7 +35,9 @@ bool are_copies(const std::vector<std::size_t>& rows, const std::vector<double>&
   constexpr std::size_t kFewestChanges = 8;
   if (columns.empty()) return false;
   const auto same_row = [&](std::size_t a, std::size_t b) {
-    return std::ranges::all_of(columns, [&](const std::vector<double>* values) { return (*values)[a] == (*values)[b] || (std::isnan((*values)[a]) && std::isnan((*values)[b])); });
+    return std::ranges::all_of(columns, [&](const std::vector<double>* values) {
+      return (*values)[a] == (*values)[b] || (std::isnan((*values)[a]) && std::isnan((*values)[b]));
+    });
   };
   std::size_t stamps = 0, changes = 0, repeats = 0;
   for (std::size_t i = 1; i < rows.size(); ++i) {
@@ -51,14 +53,16 @@ bool are_copies(const std::vector<std::size_t>& rows, const std::vector<double>&
   return changes * repeats >= kFewestChanges * stamps && changes >= kFewestChanges;
 }
 
-std::optional<std::vector<double>> spread_bursts(const std::vector<double>& ordered_s, const std::vector<std::size_t>& rows, const ClockSource& source, std::vector<std::string>& notes) {
+std::optional<std::vector<double>> spread_bursts(const std::vector<double>& ordered_s, const std::vector<std::size_t>& rows,
+                                                 const ClockSource& source, std::vector<std::string>& notes) {
   const auto stamps = stamps_of_bursts(ordered_s, rows, source.columns, source.declared_rate_Hz);
   auto spread = stamps ? spread_packets(*stamps, source.declared_rate_Hz) : std::nullopt;
   if (!spread) return std::nullopt;
   std::size_t bursts = 1;
   for (std::size_t i = 1; i < stamps->size(); ++i) bursts += (*stamps)[i] != (*stamps)[i - 1];
   notes.push_back("the rows were stamped in bursts of " + std::to_string((stamps->size() + bursts / 2) / bursts) +
-                  ", when they were read and not when they were sampled, for their values run on from one burst to the next: their instants are spread evenly between the bursts");
+                  ", when they were read and not when they were sampled, for their values run on from one burst to the next: "
+                  "their instants are spread evenly between the bursts");
   return spread;
 }
 
@@ -68,8 +72,10 @@ Result<void> check_runs_forwards(const std::vector<double>& t, const std::string
   std::size_t down = 0, up = 0;
   for (std::size_t i = 1; i < t.size(); ++i) down += t[i] < t[i - 1], up += t[i] > t[i - 1];
   if (down < kFewest || down <= up) return {};
-  return fail(ErrorCode::parse, "the clock runs backwards, from " + shortest(t.front()) + " s down to " + shortest(t.back()) + " s, in " + std::to_string(down) + " of " + std::to_string(t.size() - 1) + " steps", where,
-              "sort the rows by their time");
+  return fail(ErrorCode::parse,
+              "the clock runs backwards, from " + shortest(t.front()) + " s down to " + shortest(t.back()) + " s, in " +
+                  std::to_string(down) + " of " + std::to_string(t.size() - 1) + " steps",
+              where, "sort the rows by their time");
 }
 
 std::string as_written(double t_s, bool dates) { return dates ? stamp_of_seconds(t_s) : shortest(t_s) + " s"; }
@@ -80,7 +86,9 @@ std::string hint_for_jump(double back_s, double step_s, const ClockSource& sourc
   if (!column.empty()) return "column \"" + column + "\" changes there: make one file for each of its values, " + split_command(source.where, column);
   const std::string split = "split the file where a new recording begins";
   if (!source.dates || std::fabs(back_s - kHour_s) > std::max(kNear_s, 2.0 * step_s)) return split;
-  return "an hour is what clocks go back at the end of summer time: add it to the stamps from there on, or write all of them with their zone (2026-10-25T02:00:00+01:00); where it is another recording, " + split;
+  return "an hour is what clocks go back at the end of summer time: add it to the stamps from there on, "
+         "or write all of them with their zone (2026-10-25T02:00:00+01:00); where it is another recording, " +
+         split;
 }
 
 bool increases(const std::vector<double>& stamps_s) {

@@ -91,10 +91,15 @@ Result<PartColumn> part_column(const CsvTable& table, std::string_view header, c
   }
   if (!found) return fail(ErrorCode::usage, "there is no column \"" + std::string(header) + "\"", where, "the columns are " + join(headers, ", "));
   if (!parts)
-    return fail(ErrorCode::usage, "column \"" + std::string(header) + "\" does not tell parts of the file: a cell of it is empty or a broken number, or it has more than " + std::to_string(kMostParts) + " values", where,
-                "name a column of whole numbers or words, such as a sensor's or a trial's");
+    return fail(ErrorCode::usage,
+                "column \"" + std::string(header) +
+                    "\" does not tell parts of the file: a cell of it is empty or a broken number, or it has more than " +
+                    std::to_string(kMostParts) + " values",
+                where, "name a column of whole numbers or words, such as a sensor's or a trial's");
   if (parts->parts.size() < 2)
-    return fail(ErrorCode::usage, "column \"" + std::string(header) + "\" is " + parts->parts.front() + " in every row: there is nothing to split", where, "leave --split out");
+    return fail(ErrorCode::usage,
+                "column \"" + std::string(header) + "\" is " + parts->parts.front() + " in every row: there is nothing to split", where,
+                "leave --split out");
   return PartColumn{std::string(header), std::move(parts->parts), std::move(parts->part_of_row), parts->changes};
 }
 

@@ -23,6 +23,18 @@ constexpr std::size_t kZeroReadings = 1000;
 constexpr const char* kAtiCalibration = "FT-EMULATED-1";
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
+Result<void> check_range(const RigRecordRequest& request) {
+  if (!(request.duration_s > 0.0 && request.duration_s < 1e7))
+    return fail(ErrorCode::config, "a record of " + shortest(request.duration_s) + " s cannot be made");
+  if (!(request.force_low_N >= 0.0 && request.force_low_N <= request.force_high_N &&
+        request.force_high_N <= kForceMax_N))
+    return fail(ErrorCode::config,
+                "the emulated rig cannot apply " + shortest(request.force_low_N) + " to " +
+                    shortest(request.force_high_N) + " N",
+                {}, "its range is 0 to 5.5 N");
+  return {};
+}
+
 }  // namespace
 
 EmulatedRig::EmulatedRig(const EmulatedOptions& options, std::unique_ptr<SensorHook> hidden)
@@ -64,15 +76,24 @@ Result<void> EmulatedRig::begin(const RigRecordRequest& request) {
   begun_ = false;
   FORCEGATE_TRY(const Specimen specimen, find_specimen(request.specimen));
   FORCEGATE_TRY(faults_, parse_faults(request.faults));
-  if (!(request.duration_s > 0.0 && request.duration_s < 1e7))
-    return fail(ErrorCode::config, "a record of " + shortest(request.duration_s) + " s cannot be made");
-  if (!(request.force_low_N >= 0.0 && request.force_low_N <= request.force_high_N &&
-        request.force_high_N <= kForceMax_N))
-    return fail(ErrorCode::config,
-                "the emulated rig cannot apply " + shortest(request.force_low_N) + " to " +
-                    shortest(request.force_high_N) + " N",
-                {}, "its range is 0 to 5.5 N");
+  FORCEGATE_CHECK_OK(check_range(request));
+  record_seed_ = mix_seed(mix_seed(request.seed, "record/" + request.specimen),
+                          std::to_string(request.session) + "/" + std::to_string(request.record));
+  const double force_N = mount(request);
+  begin_instruments(force_N);
+  begin_sensor(specimen, request, force_N);
+  begin_faults(force_N);
+  index_ = 0;
+  take_zero();
+  end_ =
+      static_cast<std::int64_t>(std::min(request.duration_s, faults_.truncated_s) * options_.rate_Hz + 0.5);
+  reading_N_ = force_N;
+  begun_ = true;
+  return {};
+}
 
+// Sets the wheel so that the profile stays off its stops; returns the force at which the record begins.
+double EmulatedRig::mount(const RigRecordRequest& request) {
   const double stop_N = std::min(kForceMax_N, std::max(kUsualStop_N, request.force_high_N + kHeadroom_N));
   wheel_.set_eccentricity_mm(0.5 * stop_N / spring_.stiffness_N_per_mm);
   geometry_.eccentricity_mm = wheel_.eccentricity_mm();
@@ -83,10 +104,13 @@ Result<void> EmulatedRig::begin(const RigRecordRequest& request) {
   mounted_ = spring_;
   mounted_.stiffness_N_per_mm *= faults_.spring_stiffness;
   mounted_.preload_mm += faults_.preload_wrong_mm;
+  head_.begin(record_seed_, request.duration_s, faults_.head_motion);
   onset_s_ = kOnset * request.duration_s;
   wheel_rad_ = shaft_rad(theta);
-  const double force_N = mounted_.force_N(wheel_.travel_mm(wheel_rad_));
+  return mounted_.force_N(wheel_.travel_mm(wheel_rad_));
+}
 
+void EmulatedRig::begin_instruments(double force_N) {
   AtiNano17::Parameters ati;
   Converter::Parameters converter;
   converter.bits = options_.adc_bits;
@@ -95,37 +119,28 @@ Result<void> EmulatedRig::begin(const RigRecordRequest& request) {
   ati_.begin(ati, step_s_, force_N);
   ati_.set_gain(faults_.reference_gain * faults_.reference_axis_share);
   converter_.begin(converter);
+  ati_noise_ = WhiteNoise(record_seed_, "ati_noise");
+  adc_noise_ = WhiteNoise(record_seed_, "adc_noise");
+}
 
+void EmulatedRig::begin_sensor(const Specimen& specimen, const RigRecordRequest& request, double force_N) {
   film_parameters_ = draw_session(options_.sensor, specimen, request.seed, request.session,
                                   options_.session_spread, request.record);
-  const std::uint64_t record_seed =
-      mix_seed(mix_seed(request.seed, "record/" + request.specimen),
-               std::to_string(request.session) + "/" + std::to_string(request.record));
   film_parameters_.gain_N_per_V /= faults_.sensor_gain;
-  film_.begin(film_parameters_, step_s_, force_N, kUsualLoss, request.rest_before_s, record_seed);
+  film_.begin(film_parameters_, step_s_, force_N, kUsualLoss, request.rest_before_s, record_seed_);
   if (hidden_) hidden_->begin(step_s_, force_N);
-  head_.begin(record_seed, request.duration_s, faults_.head_motion);
-  ati_noise_ = WhiteNoise(record_seed, "ati_noise");
-  adc_noise_ = WhiteNoise(record_seed, "adc_noise");
-  loss_ = Rng(record_seed, "sample_loss");
-  stale_ = Rng(record_seed, "stale");
+}
+
+void EmulatedRig::begin_faults(double force_N) {
+  loss_ = Rng(record_seed_, "sample_loss");
+  stale_ = Rng(record_seed_, "stale");
   sensor_stale_ = reference_stale_ = {};
-  stale_code_ = 0;
+  stale_code_ = last_code_ = 0;
   stale_reading_N_ = frozen_N_ = 0.0F;
-  record_seed_ = record_seed;
+  is_frozen_ = false;
   late_code_.assign(static_cast<std::size_t>(faults_.sensor_late_s * options_.rate_Hz), 0);
   late_reading_N_.assign(static_cast<std::size_t>(faults_.reference_late_s * options_.rate_Hz),
                          static_cast<float>(force_N));
-
-  index_ = 0;
-  take_zero();
-  end_ =
-      static_cast<std::int64_t>(std::min(request.duration_s, faults_.truncated_s) * options_.rate_Hz + 0.5);
-  reading_N_ = force_N;
-  is_frozen_ = false;
-  last_code_ = 0;
-  begun_ = true;
-  return {};
 }
 
 Result<void> EmulatedRig::command_velocity(double rad_per_s) {

@@ -54,6 +54,10 @@ class EmulatedRig final : public Rig {
   const Film& film() const { return film_; }
 
  private:
+  double mount(const RigRecordRequest& request);
+  void begin_instruments(double force_N);
+  void begin_sensor(const Specimen& specimen, const RigRecordRequest& request, double force_N);
+  void begin_faults(double force_N);
   void run_to_tick(std::size_t n, RigBlock& out, std::size_t at);
   void spoil_rows(std::size_t n, RigBlock& out, std::size_t at);
   double shaft_rad(double theta_rad) const;

@@ -40,7 +40,8 @@ std::string look_alikes(const Finding& f) {
     told.push_back(a.separates);
     std::vector<std::string> names;
     for (const LookAlike& other : f.confounded_with)
-      if (other.cosine != 0.0 && other.separates == a.separates) names.push_back(fmt::format("{}{} (cos {:.2f})", other.effect, names.empty() ? " on these records" : "", other.cosine));
+      if (other.cosine != 0.0 && other.separates == a.separates)
+        names.push_back(fmt::format("{}{} (cos {:.2f})", other.effect, names.empty() ? " on these records" : "", other.cosine));
     out += "      looks like " + join(names, ", ") + "; " + a.separates + "\n";
   }
   return out;
@@ -51,7 +52,8 @@ void tell_of_divider(const diagnose::Workspace& w, Diagnosis& d) {
   constexpr double kMuch = 0.03;  // of the span
   const auto bends = [&](const Finding& f) { return f.claimed() && f.effect == "static_nonlinearity" && f.effect_rms > kMuch * w.output.scale; };
   if ((d.unit == "V" || d.unit == "counts") && std::ranges::any_of(d.findings, bends))
-    d.notes.push_back("an output that is bent so much may be that of a divider: --divider OHMS:SUPPLY (:below with the sensor between output and ground) reads the sensor's conductance");
+    d.notes.push_back(
+        "an output that is bent so much may be that of a divider: --divider OHMS:SUPPLY (:below with the sensor between output and ground) reads the sensor's conductance");
 }
 
 Result<Diagnosis> diagnose_recordings(const CampaignRequest& request, Campaign campaign, const Model& model, RecordPictures* pictures) {

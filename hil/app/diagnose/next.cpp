@@ -31,8 +31,9 @@ const RefusedEffect* strongest_refused(const Diagnosis& d) {
 
 std::string which_plan(const Diagnosis& d) {
   const std::string plan = plan_that_settles(d);
-  return plan.empty() ? "no plan that comes with the program plays that: record it by hand, or with a plan of your own (docs/plan.md), and put the recordings into the campaign\n"
-                      : "the plan " + plan + " plays some of it\n";
+  return plan.empty()
+             ? "no plan that comes with the program plays that: record it by hand, or with a plan of your own (docs/plan.md), and put the recordings into the campaign\n"
+             : "the plan " + plan + " plays some of it\n";
 }
 
 std::string without_segments(const Diagnosis& d) {
@@ -48,7 +49,9 @@ std::string without_segments(const Diagnosis& d) {
   }
   if (const std::vector<const Finding*> suspicions = suspicions_beside_none(d); !suspicions.empty()) {
     std::string out = "nothing is claimed; " + beside_none(d) + "\nwhat would settle it:\n";
-    for (const Finding* f : suspicions) out += "  " + f->effect + ": " + what_parts(f->effect) + (f->reservations.empty() ? "" : " (not claimed: " + f->reservations.back().why + ")") + "\n";
+    for (const Finding* f : suspicions)
+      out += "  " + f->effect + ": " + what_parts(f->effect) +
+             (f->reservations.empty() ? "" : " (not claimed: " + f->reservations.back().why + ")") + "\n";
     return out + which_plan(d);
   }
   // open all the same, and no segment is of use

@@ -67,16 +67,20 @@ std::string check_text(const ExportResult& r) {
   const auto errors = [&](double law_N, double header_N) {
     return bare ? fmt::format("{:>8.1f}", 1e3 * law_N) : fmt::format("{:>8.1f} -> {:.1f}", 1e3 * law_N, 1e3 * header_N);
   };
-  std::string out = fmt::format("built with {} and replayed:\n  largest difference from the model's own inverse {:.2g} N{}\n", check.compiler, check.largest_N, lsb(check.largest_N, " = "));
+  std::string out = fmt::format("built with {} and replayed:\n  largest difference from the model's own inverse {:.2g} N{}\n",
+                                check.compiler, check.largest_N, lsb(check.largest_N, " = "));
   out += fmt::format("  recorded {} against recorded force{}, RMS in mN ({}):\n    {}\n", r.input.empty() ? "voltages" : "outputs",
                      check.lsb_N > 0.0 ? " and the largest difference from the model's own inverse" : "",
                      bare ? "the law alone" : "the law alone -> with this header",
-                     check.by_model ? "with gain and offset of the model, by which the firmware calibrates" : "with the best straight line over them, as the plan's calibration finds it on the bench");
+                     check.by_model ? "with gain and offset of the model, by which the firmware calibrates"
+                                    : "with the best straight line over them, as the plan's calibration finds it on the bench");
   for (const ReplayedRecord& item : check.records)
-    out += fmt::format("    {:<28} {:>5.0f} s {}{}{}\n", item.record, item.seconds,
-                       check.by_model ? errors(item.raw_plain_rms_N, item.raw_compensated_rms_N) : errors(item.plain_rms_N, item.compensated_rms_N), lsb(item.largest_N, ", difference "),
-                       (item.left_out_s >= 0.1 ? fmt::format(", {:.3g} s without samples not judged", item.left_out_s) : "") +
-                           (item.cut_s >= 0.1 ? fmt::format(", the {} s behind not replayed", plain_number(item.cut_s)) : ""));
+    out += fmt::format(
+        "    {:<28} {:>5.0f} s {}{}{}\n", item.record, item.seconds,
+        check.by_model ? errors(item.raw_plain_rms_N, item.raw_compensated_rms_N) : errors(item.plain_rms_N, item.compensated_rms_N),
+        lsb(item.largest_N, ", difference "),
+        (item.left_out_s >= 0.1 ? fmt::format(", {:.3g} s without samples not judged", item.left_out_s) : "") +
+            (item.cut_s >= 0.1 ? fmt::format(", the {} s behind not replayed", plain_number(item.cut_s)) : ""));
   const std::string raw = errors(check.raw_plain_rms_N, check.raw_compensated_rms_N), line = errors(check.plain_rms_N, check.compensated_rms_N);
   out += fmt::format("    {:<28} {:>7} {}\n", "all records", "", check.by_model ? raw : line);
   out += fmt::format("    {:<36} {}\n", check.by_model ? "with the best straight line instead" : "gain and offset of the model instead", check.by_model ? line : raw);
@@ -172,7 +176,9 @@ std::string export_text(const ExportResult& r) {
     out += fmt::format(
         "  takes back what the calibration makes of it ({}): gain x {:.4f}, offset {:+.4f} N\n",
         r.calibration.protocol, 1.0 / r.calibration.alpha, -r.calibration.beta_N / r.calibration.alpha);
-  if (r.self.made) out += fmt::format("  held against the model's own inverse from {:.2g} to {:.2g} N: at most {:.2g} N apart\n", r.self.low_N, r.self.high_N, r.self.largest_N);
+  if (r.self.made)
+    out += fmt::format("  held against the model's own inverse from {:.2g} to {:.2g} N: at most {:.2g} N apart\n", r.self.low_N,
+                       r.self.high_N, r.self.largest_N);
   for (const std::string& note : notes_of(r)) out += "note: " + note + "\n";
   if (r.check) out += check_text(r);
   return out;

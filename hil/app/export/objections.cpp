@@ -52,7 +52,8 @@ std::string few_carry_it(const Carried& c) {
   for (const ReplayedRecord* r : c.by) names.push_back(r->record);
   const bool one = names.size() == 1;
   return fmt::format(
-      ", by {} alone; the other {} records {}. With a gain and a zero of {} own {}: what {} off in gain, zero and decay no firmware knows, and it grows where an effect is undone. "
+      ", by {} alone; the other {} records {}. With a gain and a zero of {} own {}: what {} off in gain, zero and decay no firmware knows, "
+      "and it grows where an effect is undone. "
       "Record {} again, or leave {} out and fit and check anew; a firmware for such records needs a calibration before each",
       join(names, ", "), c.others.size(), from_to(c.others, &ReplayedRecord::plain_rms_N, &ReplayedRecord::compensated_rms_N), one ? "its" : "their",
       from_to(c.by, &ReplayedRecord::own_plain_rms_N, &ReplayedRecord::own_compensated_rms_N), one ? "it is" : "they are", one ? "it" : "them", one ? "it" : "them");
@@ -63,9 +64,11 @@ std::string most_carry_it(const CompensatorCheck& check) {
   Records all;
   for (const ReplayedRecord& r : check.records) all.push_back(&r);
   const bool undoes = root_mean_square(all, &ReplayedRecord::own_plain_rms_N) > kLarger * root_mean_square(all, &ReplayedRecord::own_compensated_rms_N);
-  return fmt::format(" ({} of {} records): do not build it in, the firmware is better without it. With a gain and a zero of its own for each record {}: {}", worse, check.records.size(),
-                     from_to(all, &ReplayedRecord::own_plain_rms_N, &ReplayedRecord::own_compensated_rms_N),
-                     undoes ? "what is larger is how the records differ in them, and that takes a calibration before each" : "a calibration before each would not mend it");
+  return fmt::format(
+      " ({} of {} records): do not build it in, the firmware is better without it. With a gain and a zero of its own for each record {}: {}",
+      worse, check.records.size(), from_to(all, &ReplayedRecord::own_plain_rms_N, &ReplayedRecord::own_compensated_rms_N),
+      undoes ? "what is larger is how the records differ in them, and that takes a calibration before each"
+             : "a calibration before each would not mend it");
 }
 
 }  // namespace
@@ -93,9 +96,11 @@ std::vector<std::string> objections(const CompensatorCheck& check) {
                               plain_number(1e3 * check.compensated_rms_N), few ? few_carry_it(c) : most_carry_it(check)));
   }
   if (is_off_in_gain(check))
-    out.push_back(fmt::format("gain and offset of the model are not those of these records: {} mN as they are, {} mN with {:.3g} times the force and {:+.3g} N. A firmware that calibrates by the model "
-                              "has them: refit the model on records of this sensor (--fit), or calibrate on the bench (--plan)",
-                              plain_number(1e3 * check.raw_compensated_rms_N), plain_number(1e3 * check.compensated_rms_N), check.line_gain, check.line_zero_N));
+    out.push_back(fmt::format(
+        "gain and offset of the model are not those of these records: {} mN as they are, {} mN with {:.3g} times the force and {:+.3g} N. "
+        "A firmware that calibrates by the model "
+        "has them: refit the model on records of this sensor (--fit), or calibrate on the bench (--plan)",
+        plain_number(1e3 * check.raw_compensated_rms_N), plain_number(1e3 * check.compensated_rms_N), check.line_gain, check.line_zero_N));
   return out;
 }
 

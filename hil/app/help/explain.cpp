@@ -21,7 +21,8 @@ const std::vector<Explanation>& explanations() {
        "Nothing."},
       {"marginal", "verdict",
        "The value is inside its limit, but by less than its expanded uncertainty U.",
-       "Under the rule 'guarded', which is the default, no ACCEPT: NO-DECISION, exit 3. Under 'simple' it counts as passed. Take more cycles, or more looks, to shrink the uncertainty."},
+       "Under the rule 'guarded', which is the default, no ACCEPT: NO-DECISION, exit 3. Under 'simple' it counts as passed. "
+       "Take more cycles, or more looks, to shrink the uncertainty."},
       {"fail", "verdict",
        "The value is outside its limit by more than its uncertainty (Holm at 1 % over the required checks).",
        "Look at the picture of the case; the reproduce line in the report repeats exactly this run."},
@@ -41,7 +42,8 @@ const std::vector<Explanation>& explanations() {
        "Add it and see whether the error falls.\n  forcegate add EFFECT --fit CAMPAIGN -o better.toml\n  forcegate history better.toml --on CAMPAIGN"},
       {"unknown", "diagnosis",
        "Structure remains that no effect of the library explains; the answer names the quantities that it depends on.",
-       "Look at the map of that quantity (--html). An equation of your own can be a candidate: make a model file, write an [[effect]] into it (docs/diagnosis.md), and add it.\n"
+       "Look at the map of that quantity (--html). An equation of your own can be a candidate: make a model file, "
+       "write an [[effect]] into it (docs/diagnosis.md), and add it.\n"
        "  forcegate fit CAMPAIGN -o model.toml\n  forcegate add NAME --model model.toml --fit CAMPAIGN -o better.toml"},
       {"not separable", "diagnosis",
        "Several effects leave the same signature on these records; none of them is claimed.",
@@ -64,8 +66,10 @@ const std::vector<Explanation>& explanations() {
        "Mend what the evidence names (range, earth, clock, cable) and record again; samples that it spoilt were set aside."},
       {"no gain", "header", "On recorded voltages the error of the force is larger with the header of forcegate export than with the law alone.",
        "Leave the header out where most records are worse: firmware with the law alone is the better one on this sensor. What a record tells of "
-       "the effect may differ from record to record (forcegate compare CAMPAIGN shows it), or a firmware may not know what the effect needs (it tracks the lowest force itself, and it "
-       "begins where it is switched on). Where the warning names a few records, their gain, zero or decay is their own, and undoing an effect enlarges what they are off; the others tell what the header is worth. "
+       "the effect may differ from record to record (forcegate compare CAMPAIGN shows it), or a firmware may not know what the effect "
+       "needs (it tracks the lowest force itself, and it begins where it is switched on). "
+       "Where the warning names a few records, their gain, zero or decay is their own, "
+       "and undoing an effect enlarges what they are off; the others tell what the header is worth. "
        "Records that repeat one another, before and after, tell whether the effect is the sensor's own: forcegate plan campaign lists them."},
       {"not undone", "header", "The header of forcegate export gives another force than the model's own inverse does.",
        "Do not build it in. Where the output of the model falls or stands still while the force rises there is no inverse: export a model without that effect, "

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 
 #include "hil/app/league/league.h"
@@ -41,7 +42,8 @@ std::string miss_line(const LeagueMatch& m) {
   std::string line = fmt::format("  {:<40} {:>14}", m.id, m.seed);
   for (const auto& effect : m.truth.effects) {
     line += fmt::format("  rms {:.2f} %{}", effect.rms_pct, effect.excited ? "" : " (not excited)");
-    if (effect.between_records) line += fmt::format(", d' {:.1f}{}", effect.detectability, effect.cause_recorded ? "" : ", cause not recorded");
+    if (effect.between_records)
+      line += fmt::format(", d' {:.1f}{}", effect.detectability, effect.cause_recorded ? "" : ", cause not recorded");
   }
   line += "  -> " + first_answer(m);
   const Miss miss = miss_of(m);
@@ -88,13 +90,8 @@ std::string effect_rows(const LeagueTally& t) {
   return out;
 }
 
-}  // namespace
-
-std::string league_text(const LeagueResult& result) {
-  const LeagueTally t = tally(result);
-  std::string out = fmt::format("league seed {}, {} corpus, {} campaigns, engine {}\n\n", result.request.seed,
-                                result.request.full ? "full" : "small", result.matches.size(), result.engine);
-  out +=
+std::string single_rows(const LeagueTally& t) {
+  std::string out =
       fmt::format("{:<34}{:<28}{:<28}{:<28}{}\n", "one hidden effect", "weak", "medium", "strong", "target");
   const auto row = [&](const char* label, auto member, const char* target) {
     out += fmt::format("{:<34}", label);
@@ -111,56 +108,82 @@ std::string league_text(const LeagueResult& result) {
   row("      plain and cause recorded", &TierTally::between_plain, "");
   row("  side right, of those listed", &TierTally::side, "97 %");
   row("  with a false claim beside", &TierTally::false_claims, "");
+  if (!tells_reduction(t)) return out;
   const auto medians = [&](const char* label, auto member, const char* target) {
     out += fmt::format("{:<34}", label);
     for (const TierTally& tier : t.tiers) out += fmt::format("{:<28}", median(tier.*member));
     out += fmt::format("{}\n", target);
   };
-  if (tells_reduction(t)) {
-    medians("  reducible error removed, median", &TierTally::removed, "85 %");
-    medians("    of those named first", &TierTally::removed_named, "");
-  }
-  out += '\n';
-  out += fmt::format("{:<34}{:<28}{}\n", "clean campaigns, false discovery", exact(t.control_false),
-                     "<= 3 %, interval of Clopper and Pearson");
-  out += fmt::format("{:<34}{:<28}{}\n", "  of these a false claim", exact(t.control_claims), "0");
+  medians("  reducible error removed, median", &TierTally::removed, "85 %");
+  medians("    of those named first", &TierTally::removed_named, "");
+  return out;
+}
+
+// Clean campaigns, foreign effects, pairs, and what no campaign may do.
+std::string other_rows(const LeagueTally& t) {
+  std::string out;
+  const auto row = [&](const char* label, const std::string& value, const char* target) {
+    out += fmt::format("{:<34}{:<28}{}\n", label, value, target);
+  };
+  row("clean campaigns, false discovery", exact(t.control_false), "<= 3 %, interval of Clopper and Pearson");
+  row("  of these a false claim", exact(t.control_claims), "0");
   if (!t.control_answers.empty()) out += "  answered " + counted(t.control_answers) + "\n";
-  out +=
-      fmt::format("{:<34}{:<28}{}\n", "foreign effects called unknown", share(t.foreign_honest), ">= 90 %");
-  out += fmt::format("{:<34}{:<28}{}\n", "  a known effect claimed instead", share(t.foreign_claimed), "");
-  out += fmt::format("{:<34}{:<28}{}\n", "  the right coordinate named", share(t.foreign_coordinate), "");
-  out += fmt::format("{:<34}{:<28}{}\n", "pairs, both within three", share(t.pairs), ">= 85 %");
-  out += fmt::format("{:<34}{:<28}{}\n", "pairs, one within three", share(t.pairs_one), "");
-  out += fmt::format("{:<34}{:<28}{}\n", "sensor blamed for others' faults", share(t.sensor_blamed), "0");
-  out += fmt::format("{:<34}{:<28}{}\n", "no answer", share(t.no_answer), "0");
+  row("foreign effects called unknown", share(t.foreign_honest), ">= 90 %");
+  row("  a known effect claimed instead", share(t.foreign_claimed), "");
+  row("  the right coordinate named", share(t.foreign_coordinate), "");
+  row("pairs, both within three", share(t.pairs), ">= 85 %");
+  row("pairs, one within three", share(t.pairs_one), "");
+  row("sensor blamed for others' faults", share(t.sensor_blamed), "0");
+  row("no answer", share(t.no_answer), "0");
   if (!t.pair_stages.empty()) out += "pairs lost at: " + counted(t.pair_stages) + "\n";
+  return out;
+}
 
-  out += fmt::format("\n{:<34}{:<28}{:<28}{:<28}{:<20}{}\n", "beside it", "weak", "medium", "strong",
-                     "clean: false", "foreign: honest");
+// What engines without any thought would reach.
+std::string baseline_rows(const LeagueTally& t) {
+  const auto row = [](const char* label, const std::array<std::string, 5>& cells) {
+    return fmt::format("{:<34}{:<28}{:<28}{:<28}{:<20}{}\n", label, cells[0], cells[1], cells[2], cells[3], cells[4]);
+  };
+  std::string out = row("beside it", {"weak", "medium", "strong", "clean: false", "foreign: honest"});
   const auto zero = [](const Count& c) { return fmt::format("0/{}", c.n); };
-  out += fmt::format("{:<34}{:<28}{:<28}{:<28}{:<20}{}\n", "  always \"none\"", zero(t.tiers[0].named),
-                     zero(t.tiers[1].named), zero(t.tiers[2].named), zero(t.control_false),
-                     zero(t.foreign_honest));
+  out += row("  always \"none\"", {zero(t.tiers[0].named), zero(t.tiers[1].named), zero(t.tiers[2].named), zero(t.control_false),
+                                   zero(t.foreign_honest)});
   if (t.naive_named[0].n + t.naive_named[1].n + t.naive_named[2].n + t.naive_control_false.n > 0)
-    out += fmt::format("{:<34}{:<28}{:<28}{:<28}{:<20}{}\n", "  largest residual correlation",
-                       share(t.naive_named[0]), share(t.naive_named[1]), share(t.naive_named[2]),
-                       fmt::format("{}/{}", t.naive_control_false.k, t.naive_control_false.n),
-                       fmt::format("{}/{}", t.naive_foreign_honest.k, t.naive_foreign_honest.n));
+    out += row("  largest residual correlation", {share(t.naive_named[0]), share(t.naive_named[1]), share(t.naive_named[2]),
+                                                  fmt::format("{}/{}", t.naive_control_false.k, t.naive_control_false.n),
+                                                  fmt::format("{}/{}", t.naive_foreign_honest.k, t.naive_foreign_honest.n)});
+  return out;
+}
 
-  out += fmt::format(
+std::string calibration_rows(const LeagueTally& t) {
+  std::string out = fmt::format(
       "\nstated probability against truth (largest gap of a bin of 20 or more: {:.0f} points; target 5)\n",
       100.0 * t.calibration_error);
   for (const CalibrationBin& bin : t.calibration)
     if (bin.truth.n > 0)
       out += fmt::format("  {:.2f} - {:.2f}   stated {:.2f}   true {}\n", bin.low, bin.high,
                          bin.stated / static_cast<double>(bin.truth.n), share(bin.truth));
+  return out;
+}
 
-  out += effect_rows(t);
-  out += "\nmisses (id, seed, size, answer; where it was lost)\n";
-  if (!result.matches.empty())
-    out += fmt::format("the campaign of one: forcegate mystery DIR --effect EFFECT --strength TIER --minutes {:g} --seed SEED\n", result.matches.front().minutes);
-  for (const LeagueMatch& m : result.matches)
+std::string miss_rows(const std::vector<LeagueMatch>& matches) {
+  std::string out = "\nmisses (id, seed, size, answer; where it was lost)\n";
+  if (!matches.empty())
+    out += fmt::format("the campaign of one: forcegate mystery DIR --effect EFFECT --strength TIER --minutes {:g} --seed SEED\n",
+                       matches.front().minutes);
+  for (const LeagueMatch& m : matches)
     if (is_miss(m)) out += miss_line(m) + '\n';
+  return out;
+}
+
+}  // namespace
+
+std::string league_text(const LeagueResult& result) {
+  const LeagueTally t = tally(result);
+  std::string out = fmt::format("league seed {}, {} corpus, {} campaigns, engine {}\n\n", result.request.seed,
+                                result.request.full ? "full" : "small", result.matches.size(), result.engine);
+  out += single_rows(t) + '\n' + other_rows(t) + '\n' + baseline_rows(t);
+  out += calibration_rows(t) + effect_rows(t) + miss_rows(result.matches);
   out += fmt::format(
       "\nseconds: engine median {:.2f}, 95 % {:.2f}, worst {:.2f}; making a campaign {:.2f}; whole league "
       "{:.0f}\n",

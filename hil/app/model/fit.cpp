@@ -73,7 +73,11 @@ std::string waterfall_text(const diagnose::Waterfall& w) {
   const double full = std::max(w.start, 1e-12);
   // below a ten thousandth of the error a change is rounding of the fit, in whatever digits it comes
   constexpr double kNone = 1e-4;
-  const auto change = [&](double fall) { return !std::isfinite(fall) ? std::string("?") : std::abs(fall) < kNone * full ? std::string("0") : fmt::format("{:+.3g}", -unit.factor * fall); };
+  const auto change = [&](double fall) {
+    return !std::isfinite(fall)            ? std::string("?")
+           : std::abs(fall) < kNone * full ? std::string("0")
+                                           : fmt::format("{:+.3g}", -unit.factor * fall);
+  };
   for (const auto& bar : w.bars) {
     const double shown = std::isfinite(bar.as_added) ? std::clamp(40.0 * bar.as_added / full, 0.0, 40.0) : 0.0;
     const auto length = static_cast<std::size_t>(shown);
@@ -124,8 +128,11 @@ std::string waterfall_json(const diagnose::Waterfall& w) {
 std::string refit_json(const diagnose::Refit& r, const std::string& add) {
   nlohmann::ordered_json moves = nlohmann::ordered_json::array();
   for (const auto& m : r.moves)
-    moves.push_back(
-        {{"name", m.name}, {"before", std::isfinite(m.before) ? nlohmann::ordered_json(m.before) : nlohmann::ordered_json()}, {"after", m.after}, {"u", m.u}, {"unit", m.unit}});
+    moves.push_back({{"name", m.name},
+                     {"before", std::isfinite(m.before) ? nlohmann::ordered_json(m.before) : nlohmann::ordered_json()},
+                     {"after", m.after},
+                     {"u", m.u},
+                     {"unit", m.unit}});
   const WeakAddition weak = weak_addition(r, add);
   std::vector<std::string> notes = r.notes;
   if (!add.empty() && !is_needed(r)) notes.emplace_back(kNotNeeded);

@@ -36,8 +36,9 @@ Result<Model> load_model(const CampaignRequest& request, Campaign& campaign) {
     FORCEGATE_TRY(Model model, load_model(request.model));
     const std::vector<std::string> known = library_model_names();
     if (const std::string unit = output_unit(campaign); unit != model.output_unit && std::ranges::find(known, request.model) == known.end())
-      campaign.notes.push_back(fmt::format("the model takes an output in {}, and these records hold it in {}: what the file says as written means nothing here, only what is refitted does",
-                                           model.output_unit, unit));
+      campaign.notes.push_back(fmt::format(
+          "the model takes an output in {}, and these records hold it in {}: what the file says as written means nothing here, only what is refitted does",
+          model.output_unit, unit));
     return model;
   }
   const std::string name = library_model_of(campaign.sensor);
@@ -109,16 +110,19 @@ Result<void> check_channels(const Campaign& campaign) {
       for (const Channel& c : record.trace.channels) {
         columns.push_back(written_header(c, record.headers));
         // a weight in grams: "g" may also be an acceleration, and is no unit here
-        if (std::string_view(name) == "F_ref" && c.unit.empty() && (c.name == "g" || c.name.ends_with("_g") || c.name.ends_with("(g)") || c.name.ends_with("[g]")) && in_grams.empty())
+        if (std::string_view(name) == "F_ref" && c.unit.empty() &&
+            (c.name == "g" || c.name.ends_with("_g") || c.name.ends_with("(g)") || c.name.ends_with("[g]")) && in_grams.empty())
           in_grams = c.name;
       }
-      return fail(ErrorCode::parse,
-                  std::string("no column is the ") + what + ": there are " + join(columns, ", ") + of_text,
+      return fail(ErrorCode::parse, std::string("no column is the ") + what + ": there are " + join(columns, ", ") + of_text,
                   record.place_of_header(),
-                  of_text.find(" is a meter over its range") != std::string::npos ? "empty the cells where the meter is over its range: they are missing values, or a conductance of 0"
+                  of_text.find(" is a meter over its range") != std::string::npos
+                      ? "empty the cells where the meter is over its range: they are missing values, or a conductance of 0"
                   : in_grams.empty() ? "name one, for instance " + column_map_advice(record.trace, name, unit, record.headers) +
-                                         (std::string_view(name) == "F_ref" && record.trace.find("U") != nullptr ? "; of an output alone forcegate diagnose tells the drift" : "")
-                                   : "if " + in_grams + " is a weight in grams: --map " + shell_quoted(in_grams + "=F_ref_gf"));
+                                           (std::string_view(name) == "F_ref" && record.trace.find("U") != nullptr
+                                                ? "; of an output alone forcegate diagnose tells the drift"
+                                                : "")
+                                     : "if " + in_grams + " is a weight in grams: --map " + shell_quoted(in_grams + "=F_ref_gf"));
     }
   return {};
 }
@@ -136,7 +140,8 @@ PlacesOf::PlacesOf(const Campaign& campaign, const std::filesystem::path& given)
 Error PlacesOf::with_file(Error error) const {
   if (const auto file = file_.find(error.where); file != file_.end()) error.where = file->second;
   // days read as seconds are samples beyond any rate, and always too few
-  if (const auto days = days_.find(error.where); days != days_.end() && error.text.starts_with("the record has only ")) error.hint = "its clock was taken for seconds; " + days->second + "; of seconds " + error.hint;
+  if (const auto days = days_.find(error.where); days != days_.end() && error.text.starts_with("the record has only "))
+    error.hint = "its clock was taken for seconds; " + days->second + "; of seconds " + error.hint;
   return error;
 }
 

@@ -24,7 +24,8 @@ void tell_strengths(const std::string& effect, const std::vector<const ModelPara
   out.is_shown = false;
   std::vector<std::string> values;
   for (const ModelParameter* p : strengths) values.push_back(told(effect, *p));
-  out.warnings.push_back(join(values, ", ") + (values.size() == 1 ? " lies" : " lie") + " within two standard errors of 0, where there is no such effect: these records do not show it");
+  out.warnings.push_back(join(values, ", ") + (values.size() == 1 ? " lies" : " lie") +
+                         " within two standard errors of 0, where there is no such effect: these records do not show it");
 }
 
 void tell_shape(const std::string& effect, const ModelParameter& p, double low, double high, const std::string& help, WeakAddition& out) {
@@ -47,7 +48,8 @@ WeakAddition weak_addition(const diagnose::Refit& r, const std::string& added) {
     const EffectForm* form = kind != nullptr ? find_form(*kind, effect.form) : nullptr;
     for (std::size_t k = 0; form != nullptr && k < std::min(form->shape.size(), effect.shape.size()); ++k)
       if (!form->shape[k].choice && effect.shape[k].value != 0.0)  // no lag behind the temperature, no width: nothing is beyond it
-        tell_shape(added, effect.shape[k], effect.shape[k].minimum, effect.shape[k].maximum, "the records ask for more than such an effect has, and another form or effect may be there", out);
+        tell_shape(added, effect.shape[k], effect.shape[k].minimum, effect.shape[k].maximum,
+                   "the records ask for more than such an effect has, and another form or effect may be there", out);
   }
   for (const UserEffect& own : r.model.user_effects) {
     if (own.name != added) continue;
@@ -65,8 +67,9 @@ WeakAddition weak_addition(const diagnose::Refit& r, const std::string& added) {
   if (diagnose::lowers_error(r.error_before, r.error_after) && r.error_after > kHardly * r.error_before && r.plain_after >= r.plain_before) {
     out.is_shown = false;
     const PrintedUnit unit = printed_unit(r.waterfall.unit);
-    out.warnings.push_back(fmt::format("the error hardly falls ({:.4g} -> {:.4g} {}), and with one gain, offset and decay for all records it does not at all", unit.factor * r.error_before,
-                                       unit.factor * r.error_after, unit.name));
+    out.warnings.push_back(
+        fmt::format("the error hardly falls ({:.4g} -> {:.4g} {}), and with one gain, offset and decay for all records it does not at all",
+                    unit.factor * r.error_before, unit.factor * r.error_after, unit.name));
   }
   if (!out.is_shown) out.warnings.emplace_back("leave " + added + " out: the model before describes these records as well; records that move it more may show it");
   return out;

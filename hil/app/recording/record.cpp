@@ -26,7 +26,12 @@ struct Recorded {
   std::vector<std::string> differs;  ///< what makes it another one: "seed 1 there, 2 asked"
 };
 
-std::string plain(const Json& value) { return value.is_null() ? "none" : value.is_string() ? printable_utf8(value.get<std::string>()) : value.is_number_float() ? shortest(value.get<double>()) : value.dump(); }
+std::string plain(const Json& value) {
+  return value.is_null()           ? "none"
+         : value.is_string()       ? printable_utf8(value.get<std::string>())
+         : value.is_number_float() ? shortest(value.get<double>())
+                                   : value.dump();
+}
 
 std::string there_and_asked(const std::string& what, const std::string& there, const std::string& asked) {
   return fmt::format("{} {} there, {} asked", what, there, asked);
@@ -49,7 +54,9 @@ Recorded recorded_of(const fs::path& list, const std::vector<ProfileToRecord>& p
   const std::string rig = plain(with.value("rig", Json())), rig_name = rig.substr(0, rig.find('/'));
   if (rig_name != bench.rig) out.differs.push_back(there_and_asked("rig", rig_name, printable_utf8(bench.rig)));
   if (const std::string there = specimen_of(json); there != bench.specimen) out.differs.push_back(there_and_asked("specimen", there, printable_utf8(bench.specimen)));
-  for (const auto& [name, what, unit, asked] : {std::tuple<const char*, const char*, const char*, Json>{"seed", "seed", "", bench.seed}, {"session", "session", "", bench.session}, {"rate_Hz", "rate", " Hz", bench.rate_Hz}})
+  for (const auto& [name, what, unit, asked] : {std::tuple<const char*, const char*, const char*, Json>{"seed", "seed", "", bench.seed},
+                                                {"session", "session", "", bench.session},
+                                                {"rate_Hz", "rate", " Hz", bench.rate_Hz}})
     if (const Json there = with.value(name, Json()); there != asked) out.differs.push_back(there_and_asked(what, plain(there) + unit, plain(asked) + unit));
   const Json& records = json["records"];
   if (records.empty() || records.size() > profiles.size()) out.differs.push_back(there_and_asked("records", std::to_string(records.size()), std::to_string(profiles.size())));

@@ -33,9 +33,11 @@ Result<std::vector<Written>> parts_of(const SplitRequest& request, const CsvTabl
     SplitPart part{column.parts[p], request.folder / (name + ".csv"), base.t_s.size(), base.t_s.empty() ? 0.0 : base.t_s.back() - base.t_s.front()};
     const auto same = [&](const Written& w) { return w.part.file == part.file; };
     if (std::ranges::any_of(out, same))
-      return fail(ErrorCode::usage, "two values of column \"" + column.header + "\" would give the file " + part.file.string(), request.from.string(), "give them names of letters and digits");
+      return fail(ErrorCode::usage, "two values of column \"" + column.header + "\" would give the file " + part.file.string(),
+                  request.from.string(), "give them names of letters and digits");
     std::error_code ignored;
-    if (!request.overwrite && std::filesystem::exists(part.file, ignored)) return fail(ErrorCode::usage, "the output exists already", part.file.string(), "add --force to replace it");
+    if (!request.overwrite && std::filesystem::exists(part.file, ignored))
+      return fail(ErrorCode::usage, "the output exists already", part.file.string(), "add --force to replace it");
     out.push_back({std::move(file), std::move(part)});
   }
   return out;
@@ -49,7 +51,8 @@ Result<SplitReport> split(const SplitRequest& request) {
     return fail(ErrorCode::usage, "--split writes several files, and this is no folder", request.folder.string(), "name a folder; it is made where there is none");
   for (const char* ending : {".h5", ".hdf5", ".mat", ".fgj"})
     if (ascii_lower(request.from.extension().string()) == ending)
-      return fail(ErrorCode::usage, "--split reads tables of text", request.from.string(), "convert it to CSV first: forcegate convert " + shell_quoted(request.from.string()) + " table.csv");
+      return fail(ErrorCode::usage, "--split reads tables of text", request.from.string(),
+                  "convert it to CSV first: forcegate convert " + shell_quoted(request.from.string()) + " table.csv");
   FORCEGATE_TRY(const CsvTable table, read_csv_table(request.from));
   FORCEGATE_TRY(const PartColumn column, part_column(table, request.column, request.from.string()));
   FORCEGATE_TRY(const std::vector<Written> parts, parts_of(request, table, column));
@@ -62,7 +65,9 @@ Result<SplitReport> split(const SplitRequest& request) {
 
   SplitReport report;
   report.take_turns = column.changes >= 2 * column.parts.size();
-  const auto in_all = [&](const std::string& note) { return std::ranges::all_of(parts, [&](const Written& w) { return std::ranges::find(w.file.notes, note) != w.file.notes.end(); }); };
+  const auto in_all = [&](const std::string& note) {
+    return std::ranges::all_of(parts, [&](const Written& w) { return std::ranges::find(w.file.notes, note) != w.file.notes.end(); });
+  };
   for (const Written& w : parts) {
     FORCEGATE_CHECK_OK(write_trace(w.file.trace, w.part.file));
     report.parts.push_back(w.part);

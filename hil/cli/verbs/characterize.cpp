@@ -71,9 +71,12 @@ Result<int> run_weights(const Invocation& in, const CharacterizeRequest& request
   console.end_progress();
   if (!made) return Unexpected(made.error());
   const characterize::WeightSummary& s = made->summary;
-  std::string text = fmt::format(
-      "{} packs of eight sensors: the network of conductance and capacitance reduces the error by {:.1f} %{}paper: 64 %)\n",
-      made->study.sets.size(), s.per_mean_pct, std::isfinite(s.per_sd_sets_pct) && made->study.sets.size() > 1 ? fmt::format(" +- {:.1f} (standard deviation from pack to pack; ", s.per_sd_sets_pct) : " (");
+  std::string text =
+      fmt::format("{} packs of eight sensors: the network of conductance and capacitance reduces the error by {:.1f} %{}paper: 64 %)\n",
+                  made->study.sets.size(), s.per_mean_pct,
+                  std::isfinite(s.per_sd_sets_pct) && made->study.sets.size() > 1
+                      ? fmt::format(" +- {:.1f} (standard deviation from pack to pack; ", s.per_sd_sets_pct)
+                      : " (");
   for (std::size_t m = 0; m < characterize::kForceModels; ++m)
     text += fmt::format("  {:<24} MSE {:.3f} N^2, 5 to 95 % {:.3f} to {:.3f}\n",
                         characterize::kForceModelNames[m], s.mse_mean[m], s.mse_q05[m], s.mse_q95[m]);
@@ -184,7 +187,8 @@ const Registration<Command> kRow{Command{
         "A plan can set limits ([[limit]]) that every session must keep; a broken one gives exit code 1. A "
         "session in which the rig failed gives 4 (5 after a safety stop), whatever the others say. The "
         "plan tms does so for robotised TMS.\n\n"
-        "The plan capacitance plays Paredes-Madrid et al. 2010 instead, on a bench of dead weights: resistance and capacitance of packs of eight sensors, frequency sweeps, force models "
+        "The plan capacitance plays Paredes-Madrid et al. 2010 instead, on a bench of dead weights: "
+        "resistance and capacitance of packs of eight sensors, frequency sweeps, force models "
         "of one and of two variables (docs/paper-capacitance.md).\n\n"
         "A recording can stand for the rig: cyclic ones give the decay, slow ones the static law.",
     .options = joined(

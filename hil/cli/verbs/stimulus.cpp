@@ -78,8 +78,10 @@ Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const auto stimulus, make_stimulus(spec));
   const double fastest_Hz = highest_frequency(spec);
   if (in.given("csv") && rate_Hz < kFewestSamples * fastest_Hz)
-    return fail(ErrorCode::usage, fmt::format("{} samples a second cannot show {} Hz: another frequency would stand in the file", shortest(rate_Hz), shortest(fastest_Hz)), "--rate " + in.text("rate"),
-                fmt::format("give at least {}", shortest(kEnoughSamples * fastest_Hz)));
+    return fail(ErrorCode::usage,
+                fmt::format("{} samples a second cannot show {} Hz: another frequency would stand in the file", shortest(rate_Hz),
+                            shortest(fastest_Hz)),
+                "--rate " + in.text("rate"), fmt::format("give at least {}", shortest(kEnoughSamples * fastest_Hz)));
   FORCEGATE_TRY(const SampledStimulus sampled, sample_stimulus(*stimulus, rate_Hz));
   const std::string title = join(std::vector<std::string>{spec.name, join(words, " ")}, " ");
   if (!in.flag("force")) {
@@ -106,7 +108,8 @@ Result<int> run(const Invocation& in) {
                              cycles, shortest(f.lowest_frequency_Hz), *low, *high));
   }
   if (in.given("csv") && rate_Hz < kEnoughSamples * fastest_Hz)
-    console.note(fmt::format("{:.2g} samples in a cycle of {} Hz: the file hardly shows its turns; --rate {} does", rate_Hz / fastest_Hz, shortest(fastest_Hz), shortest(kEnoughSamples * fastest_Hz)));
+    console.note(fmt::format("{:.2g} samples in a cycle of {} Hz: the file hardly shows its turns; --rate {} does", rate_Hz / fastest_Hz,
+                             shortest(fastest_Hz), shortest(kEnoughSamples * fastest_Hz)));
   if (f.maximum_N > kWheelEnd_N) console.note(fmt::format("the wheel of the bench ends at {} N, this profile goes to {:.4g} N", shortest(kWheelEnd_N), f.maximum_N));
   if (in.given("csv")) console.print("  written               " + in.text("csv"));
   if (in.given("plot")) console.print("  drawn                 " + in.text("plot"));

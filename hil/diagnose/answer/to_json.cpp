@@ -11,7 +11,8 @@ namespace {
 
 Json number(double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); }
 
-// A claim about raw samples takes them out of the fit, with all others of its kind in one step; what the effects do after it is not its own.
+// A claim about raw samples takes them out of the fit, with all others of its kind in one step; what the effects do after
+// it is not its own.
 double error_after(const Finding& f, const Diagnosis& d) {
   return f.of_samples() && !d.steps.empty() && d.steps.front().effect.empty() ? d.steps.front().error : f.error_after;
 }
@@ -59,6 +60,77 @@ Json map_json(const ResidualMap& m) {
           {"share", number(m.share)},   {"sentence", m.sentence}, {"cells", cells}};
 }
 
+Json errors_json(const Diagnosis& d) {
+  Json errors = Json::object();
+  for (const auto& [name, pair] : d.errors) {
+    errors[name] = {{"before", number(pair.before)}, {"after", number(pair.after)}, {"unit", pair.unit}};
+    if (name != "U_plain") errors[name]["adapted"] = adapted_json(pair.levels);
+  }
+  return errors;
+}
+
+Json record_json(const RecordError& r) {
+  return {{"record", r.record},
+          {"kind", r.kind},
+          {"heldout", r.heldout},
+          {"before", number(r.before)},
+          {"after", number(r.after)},
+          {"plain_before", number(r.plain_before)},
+          {"plain_after", number(r.plain_after)},
+          {"floor", number(r.floor)},
+          {"explainable", number(r.explainable)}};
+}
+
+Json far_above_json(const RecordFarAbove& r) { return {{"record", r.record}, {"times", number(r.times)}}; }
+
+Json ranked_json(const RankedEffect& r) {
+  return {{"effect", r.effect},
+          {"side", r.side},
+          {"form", r.form},
+          {"score", number(r.score)},
+          {"alone", number(r.alone)},
+          {"unique", number(r.unique)},
+          {"probability", number(r.probability)},
+          {"null_score", number(r.null_score)},
+          {"visible_from", number(r.visible_from)},
+          {"note", r.note}};
+}
+
+Json repeatability_json(const Repeatability& r) {
+  return {{"gain", number(r.gain)},
+          {"offset_V", number(r.offset_V)},
+          {"log_b", number(r.log_b)},
+          {"log_q", number(r.log_q)},
+          {"wander_V", number(r.wander_V)}};
+}
+
+Json segment_json(const ExperimentSegment& s) {
+  Json numbers = Json::object();
+  for (const auto& [name, value] : s.numbers) numbers[name] = number(value);
+  return {{"name", s.name},
+          {"stimulus", s.stimulus},
+          {"numbers", numbers},
+          {"minutes", number(s.minutes)},
+          {"separates", s.separates},
+          {"cos_before", number(s.cosine_before)},
+          {"cos_after", number(s.cosine_after)},
+          {"odds_before", number(s.odds_before)},
+          {"odds_after", number(s.odds_after)},
+          {"odds_from", s.odds_stated ? "probability" : "evidence"}};
+}
+
+Json refused_json(const RefusedEffect& r) {
+  const diagnose::RefusalTraits& why = diagnose::traits_of(r.reason);
+  return {{"effect", r.effect}, {"code", why.code}, {"reason", why.sentence}, {"score", number(r.score)}, {"suspicion", why.suspicion}};
+}
+
+template <class T, class ToJson>
+Json list_json(const std::vector<T>& items, ToJson one) {
+  Json out = Json::array();
+  for (const T& item : items) out.push_back(one(item));
+  return out;
+}
+
 }  // namespace
 
 std::string to_json(const Diagnosis& d) {
@@ -69,82 +141,28 @@ std::string to_json(const Diagnosis& d) {
   out["model"] = d.model;
   out["verdict"] = to_string(d.verdict);
   out["residual_unknown"] = d.residual_unknown;
-  out["findings"] = Json::array();
-  for (const Finding& f : d.findings) out["findings"].push_back(finding_json(f, d));
+  out["findings"] = list_json(d.findings, [&](const Finding& f) { return finding_json(f, d); });
   out["depends_on"] = d.depends_on;
   out["follows"] = d.follows;
   out["error_before"] = number(d.error_before);
   out["error_after"] = number(d.error_after);
   out["unit"] = d.unit;
-  Json errors = Json::object();
-  for (const auto& [name, pair] : d.errors) {
-    errors[name] = {{"before", number(pair.before)}, {"after", number(pair.after)}, {"unit", pair.unit}};
-    if (name != "U_plain") errors[name]["adapted"] = adapted_json(pair.levels);
-  }
-  out["errors"] = errors;
+  out["errors"] = errors_json(d);
   out["floor"] = number(d.floor);
   out["adapted"] = adapted_json(d.levels);
   out["judged_by"] = to_string(d.judged_by);
   out["plain"] = {{"before", number(d.plain_before)}, {"after", number(d.plain_after)}};
-  out["records"] = Json::array();
-  for (const RecordError& r : d.records)
-    out["records"].push_back({{"record", r.record},
-                              {"kind", r.kind},
-                              {"heldout", r.heldout},
-                              {"before", number(r.before)},
-                              {"after", number(r.after)},
-                              {"plain_before", number(r.plain_before)},
-                              {"plain_after", number(r.plain_after)},
-                              {"floor", number(r.floor)},
-                              {"explainable", number(r.explainable)}});
-  out["far_above"] = Json::array();
-  for (const RecordFarAbove& r : d.far_above) out["far_above"].push_back({{"record", r.record}, {"times", number(r.times)}});
-  out["ranking"] = Json::array();
-  for (const RankedEffect& r : d.ranking)
-    out["ranking"].push_back({{"effect", r.effect},
-                              {"side", r.side},
-                              {"form", r.form},
-                              {"score", number(r.score)},
-                              {"alone", number(r.alone)},
-                              {"unique", number(r.unique)},
-                              {"probability", number(r.probability)},
-                              {"null_score", number(r.null_score)},
-                              {"visible_from", number(r.visible_from)},
-                              {"note", r.note}});
-  out["maps"] = Json::array();
-  for (const ResidualMap& m : d.maps) out["maps"].push_back(map_json(m));
-  out["repeatability"] = {{"gain", number(d.repeatability.gain)},
-                          {"offset_V", number(d.repeatability.offset_V)},
-                          {"log_b", number(d.repeatability.log_b)},
-                          {"log_q", number(d.repeatability.log_q)},
-                          {"wander_V", number(d.repeatability.wander_V)}};
+  out["records"] = list_json(d.records, record_json);
+  out["far_above"] = list_json(d.far_above, far_above_json);
+  out["ranking"] = list_json(d.ranking, ranked_json);
+  out["maps"] = list_json(d.maps, map_json);
+  out["repeatability"] = repeatability_json(d.repeatability);
   out["not_separable"] = d.not_separable;
   out["expected_false"] = number(d.expected_false);
-  Json segments = Json::array();
-  for (const ExperimentSegment& s : d.next_experiment.segments) {
-    Json numbers = Json::object();
-    for (const auto& [name, value] : s.numbers) numbers[name] = number(value);
-    segments.push_back({{"name", s.name},
-                        {"stimulus", s.stimulus},
-                        {"numbers", numbers},
-                        {"minutes", number(s.minutes)},
-                        {"separates", s.separates},
-                        {"cos_before", number(s.cosine_before)},
-                        {"cos_after", number(s.cosine_after)},
-                        {"odds_before", number(s.odds_before)},
-                        {"odds_after", number(s.odds_after)},
-                        {"odds_from", s.odds_stated ? "probability" : "evidence"}});
-  }
-  out["next_experiment"] = {{"segments", segments},
+  out["next_experiment"] = {{"segments", list_json(d.next_experiment.segments, segment_json)},
                             {"minutes", number(d.next_experiment.minutes)},
                             {"sentence", d.next_experiment.sentence}};
-  Json refused = Json::array();
-  for (const RefusedEffect& r : d.refused)
-  {
-    const diagnose::RefusalTraits& why = diagnose::traits_of(r.reason);
-    refused.push_back({{"effect", r.effect}, {"code", why.code}, {"reason", why.sentence}, {"score", number(r.score)}, {"suspicion", why.suspicion}});
-  }
-  out["refused"] = refused;
+  out["refused"] = list_json(d.refused, refused_json);
   out["notes"] = d.notes;
   return out.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }

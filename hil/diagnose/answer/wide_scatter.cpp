@@ -66,8 +66,10 @@ std::optional<WideScatter> wide_scatter(const Workspace& w, const MixedFit& fit,
   const double gain = std::abs(w.gain_V_per_N);
   std::vector<double> zeros = zeros_of(w, fit);
   const double zero = is_far_from_zero(w.input) ? spread_of(zeros) : sd(1);
-  Level levels[] = {{"gain", sd(0), kGain, kFarGain, fmt::format("{:.2g} %", 100.0 * sd(0)), {}},
-                    {"zero", zero, kZero, kFarZero, gain > 0.0 ? fmt::format("{:.2g} N", zero * w.output.scale / gain) : fmt::format("{:.2g} %", 100.0 * zero), std::move(zeros)}};
+  Level levels[] = {
+      {"gain", sd(0), kGain, kFarGain, fmt::format("{:.2g} %", 100.0 * sd(0)), {}},
+      {"zero", zero, kZero, kFarZero,
+       gain > 0.0 ? fmt::format("{:.2g} N", zero * w.output.scale / gain) : fmt::format("{:.2g} %", 100.0 * zero), std::move(zeros)}};
   for (const Eigen::VectorXd& zeta : fit.zeta) levels[0].of_record.push_back(zeta[0]);
   WideScatter out;
   bool as_sessions = true;
@@ -80,7 +82,10 @@ std::optional<WideScatter> wide_scatter(const Workspace& w, const MixedFit& fit,
       out.follows += fmt::format("{} {} scatters by {}", out.follows.empty() ? "the record, whose" : " and", level.name, level.size);
   }
   if (out.note.empty()) return std::nullopt;
-  out.note += as_sessions ? ", more than a specimen repeats to within a session and no more than one does from session to session (9 %, Lebosse 2011)" : ", far more than a specimen repeats to";
+  out.note +=
+      as_sessions
+          ? ", more than a specimen repeats to within a session and no more than one does from session to session (9 %, Lebosse 2011)"
+          : ", far more than a specimen repeats to";
   out.note += ", and nothing that was recorded goes with it: is it mounted, zeroed or driven anew in between, or was its temperature or humidity not recorded?";
   return out;
 }

@@ -156,14 +156,15 @@ UnnamedDependence harmonics_of_wheel() {
 // dU = g R (c1 x + c2 x^2), x = t/T: a reference or an amplifier that warms up. It knows nothing of the load, and is preferred to what does
 // where it fits as well.
 UnnamedDependence zero_with_time() {
-  UnnamedDependence out = dependence("zero_with_time", kZeroWithTime, "time", {}, 2, {{}}, [](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef columns) {
-    const double T_s = std::max(1.0, r.t_s.empty() ? 1.0 : r.t_s.back());
-    r.for_each_wanted([&](std::size_t i) {
-      const double x = r.t_s[i] / T_s;
-      columns(static_cast<Eigen::Index>(i), 0) = c.range_N * x;
-      columns(static_cast<Eigen::Index>(i), 1) = c.range_N * x * x;
-    });
-  });
+  UnnamedDependence out = dependence("zero_with_time", kZeroWithTime, "time", {}, 2, {{}},
+                                     [](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef columns) {
+                                       const double T_s = std::max(1.0, r.t_s.empty() ? 1.0 : r.t_s.back());
+                                       r.for_each_wanted([&](std::size_t i) {
+                                         const double x = r.t_s[i] / T_s;
+                                         columns(static_cast<Eigen::Index>(i), 0) = c.range_N * x;
+                                         columns(static_cast<Eigen::Index>(i), 1) = c.range_N * x * x;
+                                       });
+                                     });
   out.is_simpler = true;
   return out;
 }
@@ -186,14 +187,15 @@ UnnamedDependence settling_zero() {
 
 // dU = g W (c1 x + c2 x^2), x = t/T: a supply, an amplifier or a span of the reference that moves.
 UnnamedDependence gain_with_time() {
-  UnnamedDependence out = dependence("gain_with_time", "a gain that goes with the time", "time", {}, 2, {{}}, [](const CampaignInput&, const RecordInput& r, std::span<const double>, ColumnsRef columns) {
-    const double T_s = std::max(1.0, r.t_s.empty() ? 1.0 : r.t_s.back());
-    r.for_each_wanted([&](std::size_t i) {
-      const double x = r.t_s[i] / T_s, W = r.base_force_N(i);
-      columns(static_cast<Eigen::Index>(i), 0) = W * x;
-      columns(static_cast<Eigen::Index>(i), 1) = W * x * x;
-    });
-  });
+  UnnamedDependence out = dependence("gain_with_time", "a gain that goes with the time", "time", {}, 2, {{}},
+                                     [](const CampaignInput&, const RecordInput& r, std::span<const double>, ColumnsRef columns) {
+                                       const double T_s = std::max(1.0, r.t_s.empty() ? 1.0 : r.t_s.back());
+                                       r.for_each_wanted([&](std::size_t i) {
+                                         const double x = r.t_s[i] / T_s, W = r.base_force_N(i);
+                                         columns(static_cast<Eigen::Index>(i), 0) = W * x;
+                                         columns(static_cast<Eigen::Index>(i), 1) = W * x * x;
+                                       });
+                                     });
   out.is_simpler = true;
   return out;
 }

@@ -144,7 +144,9 @@ EffectForm form_of(const UserEffect& effect, const CampaignInput& input) {
   }
   for (const std::size_t k : parts.strength) {
     const ModelParameter& p = effect.parameters[k];
-    form.strength.push_back({p.name, p.unit, p.minimum, p.maximum, 0.0, parts.strength.size() == 1 ? "the output is proportional to it" : "a part of the output is proportional to it"});
+    form.strength.push_back(
+        {p.name, p.unit, p.minimum, p.maximum, 0.0,
+         parts.strength.size() == 1 ? "the output is proportional to it" : "a part of the output is proportional to it"});
   }
   if (parts.strength.size() == 1) {
     const ModelParameter& p = effect.parameters[parts.strength.front()];
@@ -267,7 +269,9 @@ Result<void> check_excited(const UserEffect& effect, const EffectKind& kind, con
       if (moves_at_all(columns, j) && left_by_the_law(input, columns, j) > kRounding) return {};
   }
   if (const std::string still = still_input(effect, input); any && !still.empty())
-    return fail(ErrorCode::config, "the equation of " + effect.name + " depends on " + still + ", which does not move in these records: gain and offset of the law are that already",
+    return fail(ErrorCode::config,
+                "the equation of " + effect.name + " depends on " + still +
+                    ", which does not move in these records: gain and offset of the law are that already",
                 input.name, std::string("records at several ") + (still == "T" ? "temperatures" : "angles") + " tell");
   if (any)
     return fail(ErrorCode::config, "the equation of " + effect.name + " is a straight line in the force on these records: gain and offset of the law are that already",

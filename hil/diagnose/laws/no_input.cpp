@@ -39,7 +39,9 @@ bool answers_late(const std::vector<double>& F, const std::vector<double>& U, co
   constexpr std::size_t kOfRecord = 20, kMost = 64;
   const std::size_t n = std::min(F.size(), U.size());
   for (std::size_t late = 1; late <= std::min(kMost, n / kOfRecord); late += 1 + late / 4)
-    if (answers(response_by_scale({F.begin(), F.begin() + static_cast<std::ptrdiff_t>(n - late)}, {U.begin() + static_cast<std::ptrdiff_t>(late), U.begin() + static_cast<std::ptrdiff_t>(n)}))) return true;
+    if (answers(response_by_scale({F.begin(), F.begin() + static_cast<std::ptrdiff_t>(n - late)},
+                                  {U.begin() + static_cast<std::ptrdiff_t>(late), U.begin() + static_cast<std::ptrdiff_t>(n)})))
+      return true;
   return false;
 }
 
@@ -162,7 +164,8 @@ Result<void> check_output_moves(const Campaign& campaign) {
 
 Result<void> check_shows_a_law(const Campaign& campaign) {
   for (const Record& record : campaign.records)
-    if (const std::string reason = unfit(record.trace).too_short; !reason.empty()) return fail(ErrorCode::parse, reason, record.place(), "record more of it, or leave the record out");
+    if (const std::string reason = unfit(record.trace).too_short; !reason.empty())
+      return fail(ErrorCode::parse, reason, record.place(), "record more of it, or leave the record out");
   if (is_drift_only(campaign))
     return fail(ErrorCode::parse, what_the_force_shows(campaign), campaign.name,
                 "there is no law to fit: record a force that moves; forcegate diagnose tells what the output does with time");

@@ -238,6 +238,63 @@ Result<void> check(const ParameterQuestion& q) {
   return {};
 }
 
+// The law as it grows: its terms, and their columns after that of the constant.
+struct GrowingLaw {
+  explicit GrowingLaw(Index n) : X(MatrixXd::Ones(n, 1)) {}
+  void add(const LawTerm& term, const VectorXd& column) {
+    terms.push_back(term);
+    X.conservativeResize(X.rows(), X.cols() + 1);
+    X.col(X.cols() - 1) = column;
+  }
+  std::vector<LawTerm> terms;
+  MatrixXd X;
+};
+
+Result<GrowingLaw> given_law(const ParameterQuestion& q, Index n) {
+  GrowingLaw law(n);
+  for (const LawTerm& term : q.law) {
+    const VectorXd column = column_of(term, q.covariates);
+    if (column.size() == 0)
+      return fail(ErrorCode::usage, "the table does not determine the term " + to_string(term), q.name,
+                  "is there such a covariate, and does it vary?");
+    const VectorXd beside = column - law.X * law.X.colPivHouseholderQr().solve(column);
+    if (beside.squaredNorm() <= kCollinear * (column.array() - column.mean()).matrix().squaredNorm())
+      return fail(ErrorCode::usage, to_string(term) + " says nothing that the terms before it do not say already", q.name,
+                  "leave it out of the law");
+    law.add(term, column);
+  }
+  if (n - law.X.cols() < kSpare)
+    return fail(ErrorCode::usage,
+                fmt::format("{} records do not determine a law of {} coefficients", n, law.X.cols()), q.name);
+  return law;
+}
+
+// Weights of the records under a law, from their uncertainties and the scatter between them; returns that scatter. All alike without
+// uncertainties.
+double weigh(const MatrixXd& X, const VectorXd& y, const std::vector<double>& u, VectorXd& root_w) {
+  if (u.empty()) return 0.0;
+  const double s2 = scatter_between(X, y, u);
+  for (Index i = 0; i < root_w.size(); ++i)
+    root_w[i] = 1.0 / std::sqrt(std::max(1e-300, std::pow(u[static_cast<std::size_t>(i)], 2) + s2));
+  return std::sqrt(s2);
+}
+
+double loo_with(const MatrixXd& X, const VectorXd& column, const VectorXd& y, const VectorXd& root_w) {
+  MatrixXd wider = X;
+  wider.conservativeResize(X.rows(), X.cols() + 1);
+  wider.col(X.cols()) = column;
+  return fit_law(wider, y, root_w).loo;
+}
+
+// Terms whose columns these records cannot tell from that of the best one.
+std::vector<LawTerm> as_good_as_best(const Candidates& c, const Step& found) {
+  std::vector<LawTerm> out;
+  const auto column = [&](std::size_t rank) { return c.Z.col(static_cast<Index>(found.order[rank])); };
+  for (std::size_t k = 1; k < found.order.size(); ++k)
+    if (std::fabs(column(0).dot(column(k))) > kSame) out.push_back(found.ranking[k].term);
+  return out;
+}
+
 std::string sentence_of(const ParameterAnswer& a) {
   if (a.candidates == 0)
     return fmt::format("{} records leave no room to look for another term in the law of {}", a.n, a.name);
@@ -300,54 +357,21 @@ Result<ParameterAnswer> missing_dependence(const ParameterQuestion& q) {
   std::vector<double> u = q.u;
   FORCEGATE_TRY(const VectorXd y, response(q, u));
   const Index n = y.size();
-  std::vector<LawTerm> law = q.law;
-  MatrixXd X = MatrixXd::Ones(n, 1);
-  const auto append = [&](const VectorXd& column) {
-    X.conservativeResize(n, X.cols() + 1);
-    X.col(X.cols() - 1) = column;
-  };
-  for (const LawTerm& term : law) {
-    const VectorXd column = column_of(term, q.covariates);
-    if (column.size() == 0)
-      return fail(ErrorCode::usage, "the table does not determine the term " + to_string(term), q.name,
-                  "is there such a covariate, and does it vary?");
-    const VectorXd beside = column - X * X.colPivHouseholderQr().solve(column);
-    if (beside.squaredNorm() <= kCollinear * (column.array() - column.mean()).matrix().squaredNorm())
-      return fail(ErrorCode::usage, to_string(term) + " says nothing that the terms before it do not say already", q.name,
-                  "leave it out of the law");
-    append(column);
-  }
-  if (n - X.cols() < kSpare)
-    return fail(ErrorCode::usage,
-                fmt::format("{} records do not determine a law of {} coefficients", n, X.cols()), q.name);
-
+  FORCEGATE_TRY(GrowingLaw law, given_law(q, n));
   VectorXd root_w = VectorXd::Ones(n);
-  const auto weigh = [&] {
-    if (u.empty()) return 0.0;
-    const double s2 = scatter_between(X, y, u);
-    for (Index i = 0; i < n; ++i)
-      root_w[i] = 1.0 / std::sqrt(std::max(1e-300, std::pow(u[static_cast<std::size_t>(i)], 2) + s2));
-    return std::sqrt(s2);
-  };
   ParameterAnswer out;
   out.name = q.name;
   out.unit = q.unit;
   out.n = q.value.size();
   out.loo_constant = fit_law(MatrixXd::Ones(n, 1), y, root_w).loo;
-  weigh();
-  Fit fit = fit_law(X, y, root_w);
+  weigh(law.X, y, u, root_w);
+  Fit fit = fit_law(law.X, y, root_w);
   out.loo_before = fit.loo;
   for (std::uint64_t step = 0;; ++step) {
-    const Candidates c = candidates_beside(q, law, fit, root_w);
-    Step found = search(q, c, fit, X.cols(), step);
+    const Candidates c = candidates_beside(q, law.terms, fit, root_w);
+    Step found = search(q, c, fit, law.X.cols(), step);
     if (found.ranking.empty()) break;
-    const auto with = [&](const LawTerm& term) {
-      MatrixXd wider = X;
-      wider.conservativeResize(n, X.cols() + 1);
-      wider.col(X.cols()) = column_of(term, q.covariates);
-      return fit_law(wider, y, root_w).loo;
-    };
-    for (RankedTerm& r : found.ranking) r.loo_after = with(r.term);
+    for (RankedTerm& r : found.ranking) r.loo_after = loo_with(law.X, column_of(r.term, q.covariates), y, root_w);
     if (step == 0) {
       out.candidates = c.terms.size();
       out.ranking = found.ranking;
@@ -356,23 +380,16 @@ Result<ParameterAnswer> missing_dependence(const ParameterQuestion& q) {
     const RankedTerm& best = found.ranking.front();
     // significant, and it predicts a record that it was not fitted to
     if (best.p > q.alpha || best.loo_after >= fit.loo) break;
-    FoundTerm added{best, fit.loo, {}};
-    for (std::size_t k = 1; k < found.order.size(); ++k)
-      if (std::fabs(
-              c.Z.col(static_cast<Index>(found.order[0])).dot(c.Z.col(static_cast<Index>(found.order[k])))) >
-          kSame)
-        added.fits_as_well.push_back(found.ranking[k].term);
-    out.added.push_back(std::move(added));
-    law.push_back(best.term);
-    append(column_of(best.term, q.covariates));
-    weigh();
-    fit = fit_law(X, y, root_w);
+    out.added.push_back({best, fit.loo, as_good_as_best(c, found)});
+    law.add(best.term, column_of(best.term, q.covariates));
+    weigh(law.X, y, u, root_w);
+    fit = fit_law(law.X, y, root_w);
   }
-  out.scatter = u.empty() ? std::sqrt(fit.rss / static_cast<double>(n - X.cols())) : weigh();
+  out.scatter = u.empty() ? std::sqrt(fit.rss / static_cast<double>(n - law.X.cols())) : weigh(law.X, y, u, root_w);
   out.loo_after = fit.loo;
-  for (Index k = 0; k < X.cols(); ++k)
-    out.law.push_back(
-        {k == 0 ? "1" : to_string(law[static_cast<std::size_t>(k - 1)]), fit.beta[k], fit.u[k]});
+  out.law.push_back({"1", fit.beta[0], fit.u[0]});
+  for (Index k = 1; k < law.X.cols(); ++k)
+    out.law.push_back({to_string(law.terms[static_cast<std::size_t>(k - 1)]), fit.beta[k], fit.u[k]});
   out.sentence = sentence_of(out);
   return out;
 }

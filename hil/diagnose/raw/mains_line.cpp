@@ -257,33 +257,41 @@ std::optional<double> measured_Hz(const Seen& seen, const Line& line, double rat
   return f_Hz;
 }
 
-// Of samples that follow each other at one rate.
-MainsLine line_of(double rate, const std::vector<double>& F, const std::vector<double>& U, double gain) {
-  MainsLine best;
-  const std::size_t n = U.size();
-  best.rate_Hz = rate;
-  // a short record has shorter segments rather than fewer
-  const double segment_s = std::clamp(static_cast<double>(n) / rate / kFewestSegments, kShortest_s, kSegment_s);
-  const std::size_t length = std::max(static_cast<std::size_t>(segment_s * rate), kFewestSamples);
-  if (rate < kSlowest_Hz || n < 2 * length) return best;
-  const std::size_t segments = std::min(kMostSegments, n / length);
+// Segments of one length, spread over the samples.
+struct Segments {
+  std::size_t length = 0;
   std::vector<std::size_t> from;
-  for (std::size_t k = 0; k < segments; ++k) {
-    from.push_back(k * (n - length) / std::max<std::size_t>(1, segments - 1));
-  }
-  std::vector<Line> lines = mains_lines(rate);
+};
 
-  Rotation hann(2.0 * std::numbers::pi / static_cast<double>(length));
-  double total = 0.0;
+// None where the samples are too few or too slow. A short record has shorter segments rather than fewer.
+Segments segments_of(std::size_t n, double rate_Hz) {
+  const double segment_s = std::clamp(static_cast<double>(n) / rate_Hz / kFewestSegments, kShortest_s, kSegment_s);
+  Segments out{std::max(static_cast<std::size_t>(segment_s * rate_Hz), kFewestSamples), {}};
+  if (rate_Hz < kSlowest_Hz || n < 2 * out.length) return out;
+  const std::size_t count = std::min(kMostSegments, n / out.length);
+  for (std::size_t k = 0; k < count; ++k)
+    out.from.push_back(k * (n - out.length) / std::max<std::size_t>(1, count - 1));
+  return out;
+}
+
+struct Windowed {
+  double total = 0.0;               // of the window
+  std::vector<std::size_t> whole;  // segments without a missing sample
+};
+
+// Sums of all lines over all segments under one window, a block of samples at a time.
+Windowed sum_up(const Segments& segments, const std::vector<double>& F, const std::vector<double>& U, double gain, std::vector<Line>& lines) {
+  Windowed out;
+  Rotation hann(2.0 * std::numbers::pi / static_cast<double>(segments.length));
   std::array<bool, kMostSegments> broken{};
   std::array<Side, kBlock> u{}, f{};
-  for (std::size_t begin = 0; begin < length; begin += kBlock) {
-    const std::size_t size = std::min(kBlock, length - begin);
+  for (std::size_t begin = 0; begin < segments.length; begin += kBlock) {
+    const std::size_t size = std::min(kBlock, segments.length - begin);
     for (std::size_t i = 0; i < size; ++i, hann.step()) {
       const double w = 0.5 - 0.5 * hann.re;
-      total += w;
-      for (std::size_t k = 0; k < from.size(); ++k) {
-        const std::size_t at = from[k] + begin + i;
+      out.total += w;
+      for (std::size_t k = 0; k < segments.from.size(); ++k) {
+        const std::size_t at = segments.from[k] + begin + i;
         broken[k] = broken[k] || !std::isfinite(U[at] - gain * F[at]);
         u[i][k] = w * U[at];
         f[i][k] = w * (gain * F[at]);
@@ -294,36 +302,55 @@ MainsLine line_of(double rate, const std::vector<double>& F, const std::vector<d
       for (Spectrum& s : line.beside) s.add({u.data(), size}, {f.data(), size});
     }
   }
+  for (std::size_t k = 0; k < segments.from.size(); ++k)
+    if (!broken[k]) out.whole.push_back(k);
+  return out;
+}
 
-  std::vector<std::size_t> whole;
-  for (std::size_t k = 0; k < from.size(); ++k)
-    if (!broken[k]) whole.push_back(k);
-  if (whole.size() < 2) return best;
+struct Strength {
+  double ratio = 0.0, amplitude = 0.0;  // medians over the segments
+  bool alone = false;                   // the output alone shows it in most of them
+};
+
+Strength strength_of(const Line& line, const Windowed& window) {
+  std::vector<double> ratio, amplitude;
+  std::size_t alone = 0;
+  for (const std::size_t k : window.whole) {
+    // a noisy reference hides in U - a F what the output alone shows
+    const Powers difference = powers_of(line, &Spectrum::of_difference, k), output = powers_of(line, &Spectrum::of_output, k),
+                 force = powers_of(line, &Spectrum::of_force, k);
+    const bool is_alone = output.beside < difference.beside;
+    const Powers& seen = is_alone ? output : difference;
+    alone += is_alone ? 1 : 0;
+    const double of_force = std::max(0.0, force.at - kOfNoise * force.beside);
+    ratio.push_back(seen.at / (seen.beside + kOfForce * of_force + 1e-18 * window.total * window.total));
+    amplitude.push_back(line.halves * std::sqrt(seen.at) / window.total);
+  }
+  return {quantile(ratio, 0.5), quantile(amplitude, 0.5), 2 * alone > window.whole.size()};
+}
+
+// Of samples that follow each other at one rate.
+MainsLine line_of(double rate, const std::vector<double>& F, const std::vector<double>& U, double gain) {
+  MainsLine best;
+  best.rate_Hz = rate;
+  const Segments segments = segments_of(U.size(), rate);
+  if (segments.from.empty()) return best;
+  std::vector<Line> lines = mains_lines(rate);
+  const Windowed window = sum_up(segments, F, U, gain, lines);
+  if (window.whole.size() < 2) return best;
   for (const Line& line : lines) {
-    std::vector<double> ratio, amplitude;
-    std::size_t alone = 0;
-    for (const std::size_t k : whole) {
-      // a noisy reference hides in U - a F what the output alone shows
-      const Powers difference = powers_of(line, &Spectrum::of_difference, k), output = powers_of(line, &Spectrum::of_output, k),
-                   force = powers_of(line, &Spectrum::of_force, k);
-      const bool is_alone = output.beside < difference.beside;
-      const Powers& seen = is_alone ? output : difference;
-      alone += is_alone ? 1 : 0;
-      const double of_force = std::max(0.0, force.at - kOfNoise * force.beside);
-      ratio.push_back(seen.at / (seen.beside + kOfForce * of_force + 1e-18 * total * total));
-      amplitude.push_back(line.halves * std::sqrt(seen.at) / total);
-    }
-    const double r = quantile(ratio, 0.5);
-    const double a = quantile(amplitude, 0.5);
+    const Strength s = strength_of(line, window);
     // the third harmonic stands for a first one that is not in sight
     const bool has_first = best.mains_Hz == line.mains_Hz && best.ratio > kPlainLine;
-    if (!(r > best.ratio) || has_first) continue;
-    if (!(r > kPlainLine)) {
-      best = {a, line.frequency_Hz, line.mains_Hz, rate, r};
+    if (!(s.ratio > best.ratio) || has_first) continue;
+    if (!(s.ratio > kPlainLine)) {
+      best = {s.amplitude, line.frequency_Hz, line.mains_Hz, rate, s.ratio};
       continue;
     }
-    const std::optional<double> measured = measured_Hz({F, U, 2 * alone > whole.size() ? 0.0 : gain}, line, rate);
-    best = measured ? MainsLine{a, *measured, line.mains_Hz, rate, r} : best.ratio > 1.0 ? best : MainsLine{0.0, line.frequency_Hz, line.mains_Hz, rate, 1.0};
+    if (const std::optional<double> measured = measured_Hz({F, U, s.alone ? 0.0 : gain}, line, rate))
+      best = {s.amplitude, *measured, line.mains_Hz, rate, s.ratio};
+    else if (!(best.ratio > 1.0))
+      best = {0.0, line.frequency_Hz, line.mains_Hz, rate, 1.0};
   }
   return best;
 }

@@ -123,7 +123,10 @@ Result<VariantScore> beyond_grid(Workspace& w, const EffectKind& kind, const std
     if (score.fit.valid && score.gain > -1e299 && !is_nonsense(channel, score)) return score;
   }
   const ParameterSpec& strength = form.strength.front();
-  return fail(ErrorCode::config, "the campaign cannot show " + kind.name + fmt::format(": the records ask for {} = {:.3g}, and it has {:.3g} to {:.3g}", strength.name, asked.value, std::max(form.least, strength.minimum), std::min(form.most, strength.maximum)),
+  return fail(ErrorCode::config,
+              "the campaign cannot show " + kind.name +
+                  fmt::format(": the records ask for {} = {:.3g}, and it has {:.3g} to {:.3g}", strength.name, asked.value,
+                              std::max(form.least, strength.minimum), std::min(form.most, strength.maximum)),
               w.input.name, "another effect does the like: forcegate diagnose compares them");
 }
 
@@ -162,7 +165,8 @@ Result<VariantScore> best_form(Workspace& w, const std::string& name, const std:
   if (shows_in_levels(kind) && !w.input.single) {
     ScreenResult result = screen(w.output, present, others, warm, threads);
     judge_between_records(w.input, w.output, present, SelectionRules{}, result);
-    const bool by_records = !result.families.empty() && result.families.front().records.valid && result.families.front().records.variant == result.families.front().best.variant;
+    const bool by_records = !result.families.empty() && result.families.front().records.valid &&
+                            result.families.front().records.variant == result.families.front().best.variant;
     if (by_records && (kind.traits.between_records || result.families.front().records.same_strength)) return std::move(result.families.front().best);
   }
   ScreenResult result = screen_alone(w.output, present, others, warm, threads);

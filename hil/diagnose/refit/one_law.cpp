@@ -284,11 +284,72 @@ Result<FittedRows> rows_as_fitted(Campaign campaign, const Model& start, unsigne
 std::string cost_of(const Trial& usable, const Trial& best, const PrintedUnit& unit) {
   const std::string& wanted = best.effects.back().form->name;
   const std::string& taken = usable.effects.back().form->name;
-  const std::string costs = fmt::format("and leaves {:.3g} {} of error instead of {:.3g}", unit.factor * usable.left_out_V, unit.name, unit.factor * best.left_out_V);
+  const std::string costs = fmt::format("and leaves {:.3g} {} of error instead of {:.3g}", unit.factor * usable.left_out_V, unit.name,
+                                        unit.factor * best.left_out_V);
   const std::string& effect = best.effects.back().kind->name;
   if (wanted == taken)
     return fmt::format("{}: the form {} predicts best with parameters with which it cannot be undone; with others it can, {}", effect, wanted, costs);
   return fmt::format("{}: the form {} predicts best, but it cannot be undone; {} can, {}", effect, wanted, taken, costs);
+}
+
+// Law and effects as they grow, with the sums of the rows for them.
+struct Growing {
+  BaseLaw law;
+  std::vector<Chosen> effects;
+  std::vector<Gram> grams;
+};
+
+// Every form and shape of one more effect; b and q have soaked up what is missing, so that each is judged with its own.
+Result<std::vector<Trial>> trials_of(Fitter& fitter, const EffectKind& kind, const Growing& so_far) {
+  std::vector<Trial> out;
+  for (Chosen& variant : variants_of(kind, so_far.effects, fitter.input())) {
+    std::vector<Chosen> with = so_far.effects;
+    with.push_back(variant);
+    FORCEGATE_TRY(const BaseLaw own, fitter.refine(so_far.law, with, kFirstRounds));
+    FORCEGATE_TRY(const std::vector<Gram> grams, fitter.grams(own, with));
+    if (const double left_out_V = Fitter::left_out(grams); std::isfinite(left_out_V)) out.push_back({left_out_V, std::move(with), own});
+  }
+  return out;
+}
+
+// Takes the best form of an effect in that can be used, or the best where none can.
+Result<void> take_in(Fitter& fitter, const EffectKind& kind, const Model& start, const IsUsable& is_usable, const std::string& unit,
+                     Growing& so_far, std::vector<std::string>& notes) {
+  FORCEGATE_TRY(std::vector<Trial> trials, trials_of(fitter, kind, so_far));
+  if (trials.empty()) {
+    notes.push_back(kind.name + " is left out: with one law for all records no form of it can be fitted");
+    return {};
+  }
+  FORCEGATE_TRY(const Trial usable, best_usable(fitter, start, trials, is_usable));
+  const Trial& best = trials.front();
+  const bool worse = !usable.effects.empty() && usable.left_out_V > best.left_out_V;
+  if (worse) notes.push_back(cost_of(usable, best, printed_unit(unit)));
+  const Trial& chosen = usable.effects.empty() ? best : usable;
+  so_far.effects = chosen.effects;
+  note_unseen(*so_far.effects.back().kind, *so_far.effects.back().form, fitter.input(), notes);
+  FORCEGATE_TRY(so_far.law, fitter.refine(chosen.law, so_far.effects));
+  FORCEGATE_TRY(so_far.grams, fitter.grams(so_far.law, so_far.effects));
+  return {};
+}
+
+// Of each record without and with the effects, all records fitted together.
+std::vector<OneLawFit::Item> record_errors(const std::vector<RecordInput>& records, const std::vector<Gram>& bare, const std::vector<Gram>& with) {
+  const VectorXd bare_beta = Fitter::solve(bare, bare.size()), all = Fitter::solve(with, with.size());
+  std::vector<OneLawFit::Item> out;
+  for (std::size_t k = 0; k < with.size(); ++k)
+    out.push_back({records[k].name,
+                   std::sqrt(Fitter::square_error(bare[k], bare_beta)),
+                   std::sqrt(Fitter::square_error(with[k], all))});
+  return out;
+}
+
+// A form that cannot be undone has its cost told already.
+void note_replaced_forms(const Model& start, const Model& fitted, std::vector<std::string>& notes) {
+  for (const std::string& note : replaced_forms(start, fitted)) {
+    const std::string of_effect = note.substr(0, note.find(": ") + 2);
+    const auto says_why = [&](const std::string& told) { return told.starts_with(of_effect); };
+    if (std::ranges::none_of(notes, says_why)) notes.push_back(note + "; without --fit the model is exported as it stands");
+  }
 }
 
 }  // namespace
@@ -297,65 +358,30 @@ Result<OneLawFit> fit_one_law(Campaign campaign, const Model& start, const IsUsa
   FORCEGATE_TRY(FittedRows rows, rows_as_fitted(std::move(campaign), start, threads));
   CampaignInput& input = rows.input;
   const std::string name = input.name;
-  std::vector<std::string> notes = std::move(input.notes);
+  OneLawFit out;
+  out.notes = std::move(input.notes);
   FORCEGATE_TRY(const auto own_kinds, make_user_kinds(start.user_effects, input));
   BaseLaw first = start.law;
   if (none_decays(input)) first.decays = false;
   Fitter fitter(std::move(input));
-  OneLawFit out;
-  out.notes = std::move(notes);
-  FORCEGATE_TRY(BaseLaw law, fitter.refine(first, {}));
-  FORCEGATE_TRY(std::vector<Gram> grams, fitter.grams(law, {}));
-  std::vector<Chosen> effects;
-  const std::vector<Gram> bare = grams;
-  out.law_left_out_V = Fitter::left_out(grams);
-  const VectorXd bare_beta = Fitter::solve(grams, grams.size());
-  double now = out.law_left_out_V;
+  Growing fit;
+  FORCEGATE_TRY(fit.law, fitter.refine(first, {}));
+  FORCEGATE_TRY(fit.grams, fitter.grams(fit.law, {}));
+  const std::vector<Gram> bare = fit.grams;
   FORCEGATE_TRY(const std::vector<const EffectKind*> kinds, wanted_kinds(start, own_kinds, fitter.input()));
-  for (const EffectKind* kind : kinds) {
-    std::vector<Trial> trials;
-    for (Chosen& variant : variants_of(*kind, effects, fitter.input())) {
-      std::vector<Chosen> with = effects;
-      with.push_back(variant);
-      // b and q have soaked up what is missing: each form is judged with its own
-      FORCEGATE_TRY(const BaseLaw own, fitter.refine(law, with, kFirstRounds));
-      FORCEGATE_TRY(grams, fitter.grams(own, with));
-      if (const double left_out_V = Fitter::left_out(grams); std::isfinite(left_out_V)) trials.push_back({left_out_V, std::move(with), own});
-    }
-    if (trials.empty()) {
-      out.notes.push_back(kind->name + " is left out: with one law for all records no form of it can be fitted");
-      continue;
-    }
-    FORCEGATE_TRY(const Trial usable, best_usable(fitter, start, trials, is_usable));
-    const Trial& best = trials.front();
-    const bool worse = !usable.effects.empty() && usable.left_out_V > best.left_out_V;
-    if (worse) out.notes.push_back(cost_of(usable, best, printed_unit(rows.unit)));
-    const Trial& chosen = usable.effects.empty() ? best : usable;
-    effects = chosen.effects;
-    note_unseen(*effects.back().kind, *effects.back().form, fitter.input(), out.notes);
-    FORCEGATE_TRY(law, fitter.refine(chosen.law, effects));
-    FORCEGATE_TRY(grams, fitter.grams(law, effects));
-    now = Fitter::left_out(grams);
-  }
-  out.left_out_V = now;
-  if (!effects.empty() && now > kWorth * out.law_left_out_V)
+  for (const EffectKind* kind : kinds) FORCEGATE_CHECK_OK(take_in(fitter, *kind, start, is_usable, rows.unit, fit, out.notes));
+  out.law_left_out_V = Fitter::left_out(bare);
+  out.left_out_V = Fitter::left_out(fit.grams);
+  if (!fit.effects.empty() && out.left_out_V > kWorth * out.law_left_out_V)
     return fail(ErrorCode::config,
                 "with one law for all records the effects do not lower the error of records left out",
                 name,
                 "they may differ from record to record: forcegate compare shows where the error sits");
 
-  out.model = assembled(start, fitter.input(), law, effects, grams);
-  const VectorXd all = Fitter::solve(grams, grams.size());
-  for (std::size_t k = 0; k < grams.size(); ++k)
-    out.records.push_back({fitter.input().records[k].name,
-                           std::sqrt(Fitter::square_error(bare[k], bare_beta)),
-                           std::sqrt(Fitter::square_error(grams[k], all))});
+  out.model = assembled(start, fitter.input(), fit.law, fit.effects, fit.grams);
+  out.records = record_errors(fitter.input().records, bare, fit.grams);
   out.model.output_unit = rows.unit;
-  for (const std::string& note : replaced_forms(start, out.model)) {
-    const std::string of_effect = note.substr(0, note.find(": ") + 2);
-    const auto says_why = [&](const std::string& told) { return told.starts_with(of_effect); };  // a form that cannot be undone has its cost told
-    if (std::ranges::none_of(out.notes, says_why)) out.notes.push_back(note + "; without --fit the model is exported as it stands");
-  }
+  note_replaced_forms(start, out.model, out.notes);
   HistoryStep step;
   step.unit = rows.unit;
   step.campaign = name;

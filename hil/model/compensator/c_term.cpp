@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "hil/model/compensator/c_expression.h"
 #include "hil/model/compensator/c_term_parts.h"
@@ -71,6 +72,83 @@ const std::map<std::string, std::pair<const char*, const char*>>& refusals() {
   return kReasons;
 }
 
+// What the symbols of an equation are in C: where the output is asked for, and in the two steps of the midpoint rule.
+struct Symbols {
+  std::map<std::string, std::string> at_output, first, second;
+};
+
+Symbols symbols_of(const UserEffect& e, const std::string& id) {
+  Symbols out;
+  out.at_output = {{"F", "F"}, {"t", "c->t_s"}, {"T", "c->temperature_C"}};
+  // of second order, as the model's central difference; one of first order would be late by half a sample
+  out.at_output["dF"] = fmt::format("{}_rate(c, F)", id);
+  for (const ModelParameter& p : e.parameters) out.at_output[p.name] = "k_" + id + "_" + p.name;
+  out.first = out.second = out.at_output;
+  for (const auto& [name, derivative] : e.states) {
+    out.at_output[name] = out.first[name] = fmt::format("c->{}_s_{}", id, name);
+    out.second[name] = "h_" + name;
+  }
+  // half a step further the force has gone on as it did over the last one
+  out.second["F"] = fmt::format("(F + 0.5f * (c->running ? F - c->{}_x : 0.0f))", id);
+  return out;
+}
+
+// States by the midpoint rule, as sums of two floats. `used`: functions that the equations call.
+Result<void> add_states(CTerm& t, const UserEffect& e, const CTermContext& x, const Symbols& symbols, const std::string& where,
+                        std::set<std::string>& used) {
+  std::string half, full, members;
+  for (const auto& [name, derivative] : e.states) {
+    FORCEGATE_TRY(const CExpression k1, c_expression(derivative, where, symbols.first));
+    FORCEGATE_TRY(const CExpression k2, c_expression(derivative, where, symbols.second));
+    members += fmt::format(", {0}_s_{1}, {0}_l_{1}", x.id, name);
+    half += fmt::format("    const float h_{1} = c->{0}_s_{1} + {2} * ({3});\n", x.id, name,
+                        c_float(0.5 / x.rate_Hz), k1.text);
+    full += fmt::format(
+        "    const float d_{1} = {2} * ({3}) + c->{0}_l_{1};\n"
+        "    const float n_{1} = c->{0}_s_{1} + d_{1};\n"
+        "    c->{0}_l_{1} = d_{1} - (n_{1} - c->{0}_s_{1});\n"
+        "    c->{0}_s_{1} = n_{1};\n",
+        x.id, name, c_float(1.0 / x.rate_Hz), k2.text);
+    t.once += k1.operations + k2.operations + 8;
+    t.bytes += 8;
+    used.insert(k1.functions.begin(), k1.functions.end());
+    used.insert(k2.functions.begin(), k2.functions.end());
+  }
+  t.state = fmt::format("  float {0}_x, {0}_xx{1};\n", x.id, members);
+  t.bytes += 8;
+  if (!e.states.empty()) t.commit = "  {\n" + half + full + "  }\n";
+  t.commit += fmt::format("  c->{0}_xx = c->{0}_x;\n  c->{0}_x = F;\n", x.id);
+  return {};
+}
+
+bool mentions(const CTerm& t, const std::string& word) {
+  return t.value.find(word) != std::string::npos || t.commit.find(word) != std::string::npos;
+}
+
+void note_needs(CTerm& t, const std::set<std::string>& used) {
+  t.needs_exp = used.count("fg_exp") > 0;
+  t.needs_ln = used.count("fg_ln") > 0;
+  t.needs_sqrt = used.count("fg_sqrt") > 0;
+  t.needs_tanh = used.count("fg_tanh") > 0;
+  t.needs_pow = used.count("fg_pow") > 0;
+  t.needs_power = used.count("fg_power") > 0;
+  t.needs_temperature = mentions(t, "temperature_C");
+}
+
+void add_rate(CTerm& t, const CTermContext& x) {
+  if (!mentions(t, x.id + "_rate")) return;
+  t.constants += fmt::format(
+      "static inline float {0}_rate(const FgComp* c, float F) {{\n"
+      "  if (c->samples < 2) return c->running ? {1} * (F - c->{0}_x) : 0.0f;\n"
+      "  return {1} * ((1.5f * F - 2.0f * c->{0}_x) + 0.5f * c->{0}_xx);\n"
+      "}}\n",
+      x.id, c_float(x.rate_Hz));
+  // beside the force of a steady rate there may be another one that gives the same output
+  t.start = fmt::format("(c->samples < 2 ? c->force_N : 2.0f * c->{0}_x - c->{0}_xx)", x.id);
+  t.each += 6;
+  t.once += 14;
+}
+
 }  // namespace
 
 Result<CTerm> c_term(const ModelEffect& e, const CTermContext& x) {
@@ -92,71 +170,18 @@ Result<CTerm> c_term(const ModelEffect& e, const CTermContext& x) {
 }
 
 Result<CTerm> c_term(const UserEffect& e, const CTermContext& x) {
-  using c_terms::constant;
-  CTerm t;
-  const std::string& id = x.id;
-  std::map<std::string, std::string> at_output = {{"F", "F"}, {"t", "c->t_s"}, {"T", "c->temperature_C"}};
-  // of second order, as the model's central difference; one of first order would be late by half a sample
-  at_output["dF"] = fmt::format("{}_rate(c, F)", id);
-  for (const ModelParameter& p : e.parameters) {
-    t.constants += constant("k_" + id + "_" + p.name, p.value);
-    at_output[p.name] = "k_" + id + "_" + p.name;
-  }
-  std::map<std::string, std::string> first = at_output, second = at_output;
-  for (const auto& [name, derivative] : e.states) {
-    at_output[name] = first[name] = fmt::format("c->{}_s_{}", id, name);
-    second[name] = "h_" + name;
-  }
-  // half a step further the force has gone on as it did over the last one
-  second["F"] = fmt::format("(F + 0.5f * (c->running ? F - c->{}_x : 0.0f))", id);
+  const Symbols symbols = symbols_of(e, x.id);
   const std::string where = "effect \"" + e.name + "\"";
-  FORCEGATE_TRY(const CExpression output, c_expression(e.output, where, at_output));
+  CTerm t;
+  for (const ModelParameter& p : e.parameters) t.constants += c_terms::constant("k_" + x.id + "_" + p.name, p.value);
+  FORCEGATE_TRY(const CExpression output, c_expression(e.output, where, symbols.at_output));
   t.title = e.name + " (equation of the model file): " + e.output;
   t.value = output.text;
   t.each = output.operations;
   std::set<std::string> used = output.functions;
-  std::string half, full, members;
-  for (const auto& [name, derivative] : e.states) {
-    FORCEGATE_TRY(const CExpression k1, c_expression(derivative, where, first));
-    FORCEGATE_TRY(const CExpression k2, c_expression(derivative, where, second));
-    members += fmt::format(", {0}_s_{1}, {0}_l_{1}", id, name);
-    half += fmt::format("    const float h_{1} = c->{0}_s_{1} + {2} * ({3});\n", id, name,
-                        c_float(0.5 / x.rate_Hz), k1.text);
-    full += fmt::format(
-        "    const float d_{1} = {2} * ({3}) + c->{0}_l_{1};\n"
-        "    const float n_{1} = c->{0}_s_{1} + d_{1};\n"
-        "    c->{0}_l_{1} = d_{1} - (n_{1} - c->{0}_s_{1});\n"
-        "    c->{0}_s_{1} = n_{1};\n",
-        id, name, c_float(1.0 / x.rate_Hz), k2.text);
-    t.once += k1.operations + k2.operations + 8;
-    t.bytes += 8;
-    used.insert(k1.functions.begin(), k1.functions.end());
-    used.insert(k2.functions.begin(), k2.functions.end());
-  }
-  t.state = fmt::format("  float {0}_x, {0}_xx{1};\n", id, members);
-  t.bytes += 8;
-  if (!e.states.empty()) t.commit = "  {\n" + half + full + "  }\n";
-  t.commit += fmt::format("  c->{0}_xx = c->{0}_x;\n  c->{0}_x = F;\n", id);
-  t.needs_exp = used.count("fg_exp") > 0;
-  t.needs_ln = used.count("fg_ln") > 0;
-  t.needs_sqrt = used.count("fg_sqrt") > 0;
-  t.needs_tanh = used.count("fg_tanh") > 0;
-  t.needs_pow = used.count("fg_pow") > 0;
-  t.needs_power = used.count("fg_power") > 0;
-  t.needs_temperature = t.value.find("temperature_C") != std::string::npos ||
-                        t.commit.find("temperature_C") != std::string::npos;
-  if (t.value.find(id + "_rate") != std::string::npos || t.commit.find(id + "_rate") != std::string::npos) {
-    t.constants += fmt::format(
-        "static inline float {0}_rate(const FgComp* c, float F) {{\n"
-        "  if (c->samples < 2) return c->running ? {1} * (F - c->{0}_x) : 0.0f;\n"
-        "  return {1} * ((1.5f * F - 2.0f * c->{0}_x) + 0.5f * c->{0}_xx);\n"
-        "}}\n",
-        id, c_float(x.rate_Hz));
-    // beside the force of a steady rate there may be another one that gives the same output
-    t.start = fmt::format("(c->samples < 2 ? c->force_N : 2.0f * c->{0}_x - c->{0}_xx)", id);
-    t.each += 6;
-    t.once += 14;
-  }
+  FORCEGATE_CHECK_OK(add_states(t, e, x, symbols, where, used));
+  note_needs(t, used);
+  add_rate(t, x);
   FORCEGATE_TRY(const LeastSlope least, least_slope(e, x));
   t.slope_min = std::min(0.0, kSlopeMargin * least.slope);
   if (least.slope <= -1.0)

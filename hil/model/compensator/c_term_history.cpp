@@ -99,7 +99,8 @@ CTerm relaxations(const std::string& id, const std::vector<double>& tau_s, const
 Result<CTerm> creep(const ModelEffect& e, const CTermContext& x) {
   const bool decayed = e.form.ends_with("_decayed"), settled = e.form.ends_with("_settled");
   if (e.form == "carried")
-    return refuse("creep of form carried", "it begins with what loads and rests before a reset left behind", "--fit CAMPAIGN fits a form that begins anew");
+    return refuse("creep of form carried", "it begins with what loads and rests before a reset left behind",
+                  "--fit CAMPAIGN fits a form that begins anew");
   std::vector<double> tau, weight;
   if (e.form.starts_with("prony")) {
     tau = {1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0};
@@ -116,51 +117,74 @@ Result<CTerm> creep(const ModelEffect& e, const CTermContext& x) {
   return t;
 }
 
-Result<CTerm> hysteresis(const ModelEffect& e, const CTermContext& x) {
-  CTerm t;
+namespace {
+
+CTerm bouc_wen(const ModelEffect& e, const CTermContext& x) {
+  const double z0 = shape_of(e, 0), c = strength_of(e, 0);
   const std::string& id = x.id;
-  if (e.form == "bouc_wen") {
-    const double z0 = shape_of(e, 0), c = strength_of(e, 0);
-    t.title = "hysteresis: Bouc-Wen loop, dU = -g D c z";
-    t.constants = constant("k_" + id + "_z0", z0) + constant("k_" + id + "_rate", 1.0 / z0) +
-                  constant("k_" + id + "_c", c);
-    t.state = fmt::format("  float {0}_z, {0}_x;\n", id);
-    t.constants += fmt::format(
-        "static inline float {0}_next(float z, float from, float F, int running) {{\n"
-        "  if (!running) return F >= k_{0}_z0 ? k_{0}_z0 : F;\n"
-        "  if (F == from) return z;\n"
-        "  const float target = F > from ? k_{0}_z0 : -k_{0}_z0;\n"
-        "  const float way = F > from ? F - from : from - F;\n"
-        "  return target + (z - target) * fg_exp(-(way * k_{0}_rate));\n"
-        "}}\n",
-        id);
-    t.value = fmt::format("-(c->shrink * k_{0}_c * {0}_next(c->{0}_z, c->{0}_x, F, c->running))", id);
-    t.commit =
-        fmt::format("  c->{0}_z = {0}_next(c->{0}_z, c->{0}_x, F, c->running);\n  c->{0}_x = F;\n", id);
-    t.slope_min = std::min(0.0, -2.0 * c);
-    t.once = t.each = 32;
-    t.bytes = 8;
-    t.needs_exp = true;
-    return t;
-  }
-  if (!e.form.starts_with("play_bank"))
-    return refuse(e.effect, "the form " + e.form + " is a bank for the diagnosis, not a law", "add hysteresis in another of its forms, or let --fit CAMPAIGN choose one (forcegate explain hysteresis lists them)");
-  const bool decayed = e.form != "play_bank_undecayed", curved = e.form == "play_bank_curved";
-  std::vector<double> radius, w, v;
+  CTerm t;
+  t.title = "hysteresis: Bouc-Wen loop, dU = -g D c z";
+  t.constants = constant("k_" + id + "_z0", z0) + constant("k_" + id + "_rate", 1.0 / z0) +
+                constant("k_" + id + "_c", c);
+  t.state = fmt::format("  float {0}_z, {0}_x;\n", id);
+  t.constants += fmt::format(
+      "static inline float {0}_next(float z, float from, float F, int running) {{\n"
+      "  if (!running) return F >= k_{0}_z0 ? k_{0}_z0 : F;\n"
+      "  if (F == from) return z;\n"
+      "  const float target = F > from ? k_{0}_z0 : -k_{0}_z0;\n"
+      "  const float way = F > from ? F - from : from - F;\n"
+      "  return target + (z - target) * fg_exp(-(way * k_{0}_rate));\n"
+      "}}\n",
+      id);
+  t.value = fmt::format("-(c->shrink * k_{0}_c * {0}_next(c->{0}_z, c->{0}_x, F, c->running))", id);
+  t.commit =
+      fmt::format("  c->{0}_z = {0}_next(c->{0}_z, c->{0}_x, F, c->running);\n  c->{0}_x = F;\n", id);
+  t.slope_min = std::min(0.0, -2.0 * c);
+  t.once = t.each = 32;
+  t.bytes = 8;
+  t.needs_exp = true;
+  return t;
+}
+
+// Plays that the fit left anything for, in newtons.
+struct PlayBank {
+  std::vector<double> radius, weight, curvature;
+};
+
+PlayBank play_bank_of(const ModelEffect& e, double span_N, bool curved) {
+  PlayBank out;
   for (std::size_t k = 0; k < kPlayRadii.size(); ++k) {
     const bool bends = curved && k >= kFirstCurved && k <= kLastCurved;
-    const double wk = strength_of(e, k), vk = bends ? strength_of(e, kPlayRadii.size() + k - kFirstCurved) : 0.0;
-    if (wk == 0.0 && vk == 0.0) continue;
-    radius.push_back(kPlayRadii[k] * x.span_N);
-    w.push_back(wk);
-    v.push_back(vk / x.span_N);
+    const double w = strength_of(e, k), v = bends ? strength_of(e, kPlayRadii.size() + k - kFirstCurved) : 0.0;
+    if (w == 0.0 && v == 0.0) continue;
+    out.radius.push_back(kPlayRadii[k] * span_N);
+    out.weight.push_back(w);
+    out.curvature.push_back(v / span_N);
   }
-  const std::size_t n = radius.size();
+  return out;
+}
+
+// A play that is pushed along takes all narrower ones with it: those that are stuck are the widest.
+double least_slope_of(const PlayBank& bank, double highest_N) {
+  double stuck = 0.0, least = 0.0;
+  for (std::size_t k = bank.radius.size(); k-- > 0;) {
+    stuck += bank.weight[k] + std::max(0.0, 2.0 * bank.curvature[k] * highest_N);
+    least = std::min(least, -stuck);
+  }
+  return least;
+}
+
+CTerm play_bank(const ModelEffect& e, const CTermContext& x) {
+  const bool decayed = e.form != "play_bank_undecayed", curved = e.form == "play_bank_curved";
+  const PlayBank bank = play_bank_of(e, x.span_N, curved);
+  const std::size_t n = bank.radius.size();
+  const std::string& id = x.id;
+  CTerm t;
   if (n == 0) return t;
   t.title = fmt::format("hysteresis: {} play operators{}, dU = g {}sum w_k (P_k[F] - F)", n,
                         curved ? " with curved parts" : "", decayed ? "D " : "");
-  t.constants = array("k_" + id + "_r", radius) + array("k_" + id + "_w", w) +
-                (curved ? array("k_" + id + "_v", v) : "");
+  t.constants = array("k_" + id + "_r", bank.radius) + array("k_" + id + "_w", bank.weight) +
+                (curved ? array("k_" + id + "_v", bank.curvature) : "");
   t.state = fmt::format("  float {}_p[{}];\n", id, n);
   t.constants += fmt::format(
       "static inline float {0}_sum(const float* p, float F) {{\n"
@@ -178,16 +202,20 @@ Result<CTerm> hysteresis(const ModelEffect& e, const CTermContext& x) {
   t.commit = fmt::format(
       "  for (int k = 0; k < {1}; ++k) c->{0}_p[k] = fg_clamp(c->{0}_p[k], F - k_{0}_r[k], F + k_{0}_r[k]);\n",
       id, n);
-  // a play that is pushed along takes all narrower ones with it: those that are stuck are the widest
-  double stuck = 0.0;
-  for (std::size_t k = n; k-- > 0;) {
-    stuck += w[k] + std::max(0.0, 2.0 * v[k] * (x.lowest_N + x.span_N));
-    t.slope_min = std::min(t.slope_min, -stuck);
-  }
+  t.slope_min = std::min(t.slope_min, least_slope_of(bank, x.lowest_N + x.span_N));
   t.each = static_cast<int>(n) * (curved ? 9 : 7);
   t.once = static_cast<int>(n) * 4;
   t.bytes = 4 * n;
   return t;
+}
+
+}  // namespace
+
+Result<CTerm> hysteresis(const ModelEffect& e, const CTermContext& x) {
+  if (e.form == "bouc_wen") return bouc_wen(e, x);
+  if (e.form.starts_with("play_bank")) return play_bank(e, x);
+  return refuse(e.effect, "the form " + e.form + " is a bank for the diagnosis, not a law",
+                "add hysteresis in another of its forms, or let --fit CAMPAIGN choose one (forcegate explain hysteresis lists them)");
 }
 
 namespace {
@@ -215,48 +243,52 @@ CTerm lag_of_two_speeds(const ModelEffect& e, const CTermContext& x) {
   return t;
 }
 
+CTerm lag_of_two_poles(const ModelEffect& e, const CTermContext& x) {
+  const double tau_s = 0.5 * shape_of(e, 0), c = strength_of(e, 0);
+  const std::string& id = x.id;
+  const LowPassWeights w = low_pass_weights(tau_s, x.rate_Hz);
+  CTerm t;
+  t.title = fmt::format("lag: two poles of {:g} s, share {:g}", tau_s, c);
+  t.constants = constant("k_" + id + "_c", c) + constant("k_" + id + "_old", w.to_old) +
+                constant("k_" + id + "_new", w.to_new);
+  t.state = fmt::format("  float {0}_y, {0}_z, {0}_x, {0}_a, {0}_b;\n", id);
+  t.prepare = fmt::format(
+      "  if (c->running) {{\n"
+      "    const float a = c->{0}_y + (k_{0}_old * (c->{0}_x - c->{0}_y) - k_{0}_new * c->{0}_y);\n"
+      "    c->{0}_a = c->{0}_z + (k_{0}_old * (c->{0}_y - c->{0}_z) + k_{0}_new * (a - c->{0}_z));\n"
+      "    c->{0}_b = k_{0}_new * k_{0}_new;\n"
+      "  }} else {{\n"
+      "    c->{0}_a = 0.0f;\n"
+      "    c->{0}_b = 1.0f;\n"
+      "  }}\n",
+      id);
+  t.value = fmt::format("c->shrink * k_{0}_c * (c->{0}_a + (c->{0}_b - 1.0f) * F)", id);
+  t.commit = fmt::format(
+      "  if (c->running) {{\n"
+      "    const float y = c->{0}_y + (k_{0}_old * (c->{0}_x - c->{0}_y) + k_{0}_new * (F - c->{0}_y));\n"
+      "    c->{0}_z += k_{0}_old * (c->{0}_y - c->{0}_z) + k_{0}_new * (y - c->{0}_z);\n"
+      "    c->{0}_y = y;\n"
+      "  }} else {{\n"
+      "    c->{0}_y = c->{0}_z = F;\n"
+      "  }}\n"
+      "  c->{0}_x = F;\n",
+      id);
+  t.slope_min = -c * (1.0 - w.to_new * w.to_new);
+  t.once = 24;
+  t.each = 4;
+  t.bytes = 20;
+  return t;
+}
+
 }  // namespace
 
 Result<CTerm> lag(const ModelEffect& e, const CTermContext& x) {
-  const double tau = shape_of(e, 0), c = strength_of(e, 0);
-  const std::string& id = x.id;
   constexpr std::string_view kSlow = "slow_";  // the same kernel, with time constants of seconds and more
   const std::string form = e.form.starts_with(kSlow) ? e.form.substr(kSlow.size()) : e.form;
-  if (form == "two_poles") {
-    const LowPassWeights w = low_pass_weights(0.5 * tau, x.rate_Hz);
-    CTerm t;
-    t.title = fmt::format("lag: two poles of {:g} s, share {:g}", 0.5 * tau, c);
-    t.constants = constant("k_" + id + "_c", c) + constant("k_" + id + "_old", w.to_old) +
-                  constant("k_" + id + "_new", w.to_new);
-    t.state = fmt::format("  float {0}_y, {0}_z, {0}_x, {0}_a, {0}_b;\n", id);
-    t.prepare = fmt::format(
-        "  if (c->running) {{\n"
-        "    const float a = c->{0}_y + (k_{0}_old * (c->{0}_x - c->{0}_y) - k_{0}_new * c->{0}_y);\n"
-        "    c->{0}_a = c->{0}_z + (k_{0}_old * (c->{0}_y - c->{0}_z) + k_{0}_new * (a - c->{0}_z));\n"
-        "    c->{0}_b = k_{0}_new * k_{0}_new;\n"
-        "  }} else {{\n"
-        "    c->{0}_a = 0.0f;\n"
-        "    c->{0}_b = 1.0f;\n"
-        "  }}\n",
-        id);
-    t.value = fmt::format("c->shrink * k_{0}_c * (c->{0}_a + (c->{0}_b - 1.0f) * F)", id);
-    t.commit = fmt::format(
-        "  if (c->running) {{\n"
-        "    const float y = c->{0}_y + (k_{0}_old * (c->{0}_x - c->{0}_y) + k_{0}_new * (F - c->{0}_y));\n"
-        "    c->{0}_z += k_{0}_old * (c->{0}_y - c->{0}_z) + k_{0}_new * (y - c->{0}_z);\n"
-        "    c->{0}_y = y;\n"
-        "  }} else {{\n"
-        "    c->{0}_y = c->{0}_z = F;\n"
-        "  }}\n"
-        "  c->{0}_x = F;\n",
-        id);
-    t.slope_min = -c * (1.0 - w.to_new * w.to_new);
-    t.once = 24;
-    t.each = 4;
-    t.bytes = 20;
-    return t;
-  }
+  if (form == "two_poles") return lag_of_two_poles(e, x);
   if (form == "two_speeds") return lag_of_two_speeds(e, x);
+  const double tau = shape_of(e, 0), c = strength_of(e, 0);
+  const std::string& id = x.id;
   std::vector<double> taus{tau}, weights{c};
   double through = 1.0;  // share of F that the modes carry
   if (form == "diffusive") {

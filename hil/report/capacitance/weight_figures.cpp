@@ -109,7 +109,8 @@ class Pictures {
     std::string caption;
     if (with_law)
       caption = fmt::format(
-          "Markers: measured. Lines: eq. (9) with R_s and C_s of the Bode fit. Beyond the divergence the phase saturates: at {:.0f} N {:.1f}° at 10 kHz and {:.1f}° at 40 kHz, where eq. (9) says {:.1f}°.",
+          "Markers: measured. Lines: eq. (9) with R_s and C_s of the Bode fit. Beyond the divergence the phase saturates: "
+          "at {:.0f} N {:.1f}° at 10 kHz and {:.1f}° at 40 kHz, where eq. (9) says {:.1f}°.",
           top.force_N, at(1e4), at(4e4), top.fit.phase_rad(4e4) * 180.0 / std::numbers::pi);
     else if (p.y_axis.scale == Scale::logarithmic)
       caption = fmt::format(
@@ -117,7 +118,8 @@ class Pictures {
           top.force_N, at(1e3), at(4e4));
     else
       caption = fmt::format(
-          "Capacitance varies little: at {:.0f} N from {:.0f} pF at 1 kHz to {:.0f} pF at 40 kHz. A phase that saturates cannot do without such a fall (Kramers and Kronig). Below 1 kHz the readings scatter.",
+          "Capacitance varies little: at {:.0f} N from {:.0f} pF at 1 kHz to {:.0f} pF at 40 kHz. "
+          "A phase that saturates cannot do without such a fall (Kramers and Kronig). Below 1 kHz the readings scatter.",
           top.force_N, at(1e3), at(4e4));
     add(file, place, std::move(caption), std::move(f));
   }
@@ -197,7 +199,8 @@ class Pictures {
     p.heat(std::move(map));
     p.line(v, c, {Role::firmware, Dash::solid, 2.0}, "path of one loading");
     add("fig11.svg", "Fig. 11",
-        "The surface that the network has learnt, seen from above. Off the path the network has seen nothing; how steep it is across decides what it makes of a reading that strays.",
+        "The surface that the network has learnt, seen from above. Off the path the network has seen nothing; "
+        "how steep it is across decides what it makes of a reading that strays.",
         std::move(f));
   }
 

@@ -86,13 +86,17 @@ std::string weight_markdown(const WeightStudy& study, const WeightSummary& s,
   const WeightPlan& p = study.plan;
   std::string out = fmt::format(
       "# The second paper on our rig: resistance and capacitance\n\n"
-      "L. Paredes-Madrid, L. Emmi, P. Gonzalez de Santos: Improving the performance of piezoresistive force sensors by modeling sensor capacitance. IEEE ISIE 2010, 458. This page is written by\n\n"
+      "L. Paredes-Madrid, L. Emmi, P. Gonzalez de Santos: Improving the performance of piezoresistive force sensors by modeling sensor "
+      "capacitance. IEEE ISIE 2010, 458. This page is written by\n\n"
       "    {}\n\n"
-      "It plays the paper's experiments on an emulated bench of dead weights: {} packs of eight A201-100, 0 to {:.0f} N in steps of {:.0f} N, {} loadings of each pack, {:.0f} h of bench time, seed {}. Pack 0 comes on top: it gives "
+      "It plays the paper's experiments on an emulated bench of dead weights: {} packs of eight A201-100, "
+      "0 to {:.0f} N in steps of {:.0f} N, {} loadings of each pack, {:.0f} h of bench time, seed {}. Pack 0 comes on top: it gives "
       "the pictures and the sensor-by-sensor table and is in no statistic.\n\n"
-      "A sensor is a conductance parallel to a capacitance, with curvature, slips, creep, hysteresis, and a band of relaxations above its divergence frequency (`rigs/emulated/rc_sensor.h` says which number comes from the paper and "
+      "A sensor is a conductance parallel to a capacitance, with curvature, slips, creep, hysteresis, "
+      "and a band of relaxations above its divergence frequency (`rigs/emulated/rc_sensor.h` says which number comes from the paper and "
       "which is ours). No sensor is tuned: every pack is a fresh draw. Whoever estimates sees converter codes only.\n\n"
-      "The conductance's errors are drawn from the spread of Table I. The capacitance's errors are not in the paper's text; their size is set from what it says of Fig. 10 (the mean of both models beats either in three of eight "
+      "The conductance's errors are drawn from the spread of Table I. The capacitance's errors are not in the paper's text; "
+      "their size is set from what it says of Fig. 10 (the mean of both models beats either in three of eight "
       "sensors), and curvature is given two fifths of each variance. The reduction by the network is not set anywhere: it comes out of training it.\n\n",
       command, study.sets.size(), p.force_max_N, p.step_N, p.most_training + p.testing + 2,
       study.bench_time_s / 3600.0, p.seed);
@@ -102,11 +106,13 @@ std::string weight_markdown(const WeightStudy& study, const WeightSummary& s,
          ". Our sensors are those of pack 0, in no way matched to the paper's.\n\n" + table_I(study, s);
   out +=
       "\n## All models\n\nMSE in N², " + std::to_string(study.sets.size() * study.bench.sensors) +
-      " sensors. \"Two variables\" is ours: one parabola of each variable, joined by the weights of their error covariance, with an uncertainty (`hil/model/impedance/two_variable.h`). The last column is a "
+      " sensors. \"Two variables\" is ours: one parabola of each variable, joined by the weights of their error covariance, "
+      "with an uncertainty (`hil/model/impedance/two_variable.h`). The last column is a "
       "loading's way back, which the paper does not play: hysteresis and creep, which no model here has seen, then weigh more than what does not repeat.\n\n" +
       models_table(s);
   out +=
-      "\n## How much training\n\nMean error reduction against the conductance model of the same training. The paper says only that the network was trained and then tested with new data. With one loading the network never sees "
+      "\n## How much training\n\nMean error reduction against the conductance model of the same training. "
+      "The paper says only that the network was trained and then tested with new data. With one loading the network never sees "
       "what changes between loadings; with few it takes their accidents for a law.\n\n" +
       training_table(study, s);
   out += "\n## Equations\n\n" + std::string(kEquations);
@@ -137,7 +143,8 @@ std::string weight_sheet_html(const WeightStudy& study, const WeightSummary& s,
                  cell(c.has_window ? (c.inside ? "inside: " : "OUTSIDE: ") + c.window : "-") + "</tr>\n";
   page.body +=
       "</tbody></table></div></section>\n<section><h2>Mean squared errors, N²</h2><div class=\"scroll\" tabindex=\"0\" role=\"group\" aria-label=\"Mean squared errors\"><table><thead><tr><th scope=\"col\">Model</th>"
-      "<th scope=\"col\" class=\"n\">Mean</th><th scope=\"col\" class=\"n\">5 %</th><th scope=\"col\" class=\"n\">Median</th><th scope=\"col\" class=\"n\">95 %</th></tr></thead><tbody>\n";
+      "<th scope=\"col\" class=\"n\">Mean</th><th scope=\"col\" class=\"n\">5 %</th><th scope=\"col\" class=\"n\">Median</th>"
+      "<th scope=\"col\" class=\"n\">95 %</th></tr></thead><tbody>\n";
   for (std::size_t m = 0; m < kForceModels; ++m)
     page.body += fmt::format(
         "<tr><th scope=\"row\">{}</th><td class=\"n\">{:.3f}</td><td class=\"n\">{:.3f}</td><td class=\"n\">{:.3f}</td><td class=\"n\">{:.3f}</td></tr>\n",

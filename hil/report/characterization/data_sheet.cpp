@@ -42,7 +42,8 @@ std::string section_table(const SensorStudy& study, const Section& section) {
   }
   if (rows.empty()) return {};
   return fmt::format(
-             "<section><h2>{0}</h2><div class=\"scroll\" tabindex=\"0\" role=\"group\" aria-label=\"{0}\"><table><thead><tr><th scope=\"col\">Quantity</th><th scope=\"col\">Unit</th>"
+             "<section><h2>{0}</h2><div class=\"scroll\" tabindex=\"0\" role=\"group\" aria-label=\"{0}\"><table><thead><tr>"
+             "<th scope=\"col\">Quantity</th><th scope=\"col\">Unit</th>"
              "<th scope=\"col\" class=\"n\">Mean</th>{1}<th scope=\"col\" class=\"n\">5 %</th>"
              "<th scope=\"col\" class=\"n\">Median</th><th scope=\"col\" class=\"n\">95 %</th><th scope=\"col\" class=\"n\">n</th></tr></thead><tbody>\n",
              section.title,
@@ -59,12 +60,15 @@ std::string laws_section(const SensorStudy& study) {
   if (!study.laws.available) return {};
   const auto& l = study.laws.fitted;
   std::string out = fmt::format(
-      "<section><h2>Laws of the decay</h2><p>Umax = Umin + a e<sup>-bt</sup> + c with a = {} A&sup2; + {} A V, b = {} f + {} 1/s, c/a = 1/(1 + {} A&sup2;); {} records of {}.</p>\n",
-      with_se(l.a2_V_per_N2, l.se_a2, 3), with_se(l.a1_V_per_N, l.se_a1, 3), with_se(l.b1_s_per_s, l.se_b1, 5), with_se(l.b0_per_s, l.se_b0, 5), with_se(l.k_per_N2, l.se_k, 3),
-      l.records, counted(l.specimens, "specimen"));
+      "<section><h2>Laws of the decay</h2><p>Umax = Umin + a e<sup>-bt</sup> + c with a = {} A&sup2; + {} A V, b = {} f + {} 1/s, "
+      "c/a = 1/(1 + {} A&sup2;); {} records of {}.</p>\n",
+      with_se(l.a2_V_per_N2, l.se_a2, 3), with_se(l.a1_V_per_N, l.se_a1, 3), with_se(l.b1_s_per_s, l.se_b1, 5),
+      with_se(l.b0_per_s, l.se_b0, 5), with_se(l.k_per_N2, l.se_k, 3), l.records, counted(l.specimens, "specimen"));
   out +=
-      "<div class=\"scroll\" tabindex=\"0\" role=\"group\" aria-label=\"Errors of the laws\"><table><caption>Errors of the laws, %</caption><thead><tr><th scope=\"col\">Records</th><th scope=\"col\">Specimens</th>"
-      "<th scope=\"col\" class=\"n\">a</th><th scope=\"col\" class=\"n\">b</th><th scope=\"col\" class=\"n\">c</th><th scope=\"col\" class=\"n\">MRE of the maxima</th><th scope=\"col\" class=\"n\">n</th></tr></thead><tbody>\n";
+      "<div class=\"scroll\" tabindex=\"0\" role=\"group\" aria-label=\"Errors of the laws\"><table>"
+      "<caption>Errors of the laws, %</caption><thead><tr><th scope=\"col\">Records</th><th scope=\"col\">Specimens</th>"
+      "<th scope=\"col\" class=\"n\">a</th><th scope=\"col\" class=\"n\">b</th><th scope=\"col\" class=\"n\">c</th>"
+      "<th scope=\"col\" class=\"n\">MRE of the maxima</th><th scope=\"col\" class=\"n\">n</th></tr></thead><tbody>\n";
   for (const auto& s : study.laws.scores)
     out += "<tr><th scope=\"row\">" + escape(s.set) + "</th><td>" + escape(s.group) + "</td>" +
            number(s.mean.a_pct) + number(s.mean.b_pct) + number(s.mean.c_pct) + number(s.mean.mre_pct) +

@@ -185,7 +185,8 @@ class Pictures {
       force_lines(p, *c);
       add("fig09.svg", "Fig. 9",
           fmt::format(
-              "Set-point 1.1 to 3.2 N. The controller believes the falling sensor: the maxima of the true force rise, then the minima, and after {:.0f} s the wheel comes to its stop (paper: 150 s).",
+              "Set-point 1.1 to 3.2 N. The controller believes the falling sensor: the maxima of the true force rise, then the minima, "
+              "and after {:.0f} s the wheel comes to its stop (paper: 150 s).",
               value("control.raw_stop")),
           std::move(f));
     }
@@ -240,7 +241,8 @@ class Pictures {
     level(force, column(*c, "t_s"), 1.5, "set-point");
     add("fig12.svg", "Fig. 12",
         fmt::format(
-            "FSR without compensation holds 1.5 N on a head that breathes, moves suddenly and leaves the coil: largest force {:.2f} N, noise in steady spans {:.2f} N peak to peak (paper: below 0.34 N), no contact in {:.1f} % of the time.",
+            "FSR without compensation holds 1.5 N on a head that breathes, moves suddenly and leaves the coil: largest force {:.2f} N, "
+            "noise in steady spans {:.2f} N peak to peak (paper: below 0.34 N), no contact in {:.1f} % of the time.",
             fsr_value("tms.contact"), fsr_value("tms.noise"), fsr_value("tms.lost")),
         std::move(f));
   }
@@ -273,7 +275,8 @@ class Pictures {
     p.hline(d->u_min_V, "Umin", Role::muted);
     add("fig13.svg", "Fig. 13",
         fmt::format(
-            "Eq. (3) fitted to the maxima of 0.5 Hz, A = 1.5 N: a = {:.2f} V, b = {:.2f}e-3 1/s, c = {:.2f} V, RMSE (eq. 8) {:.3f} V (paper: 3.48 V, 7.01e-3 1/s, 0.89 V, 0.064 V).",
+            "Eq. (3) fitted to the maxima of 0.5 Hz, A = 1.5 N: a = {:.2f} V, b = {:.2f}e-3 1/s, c = {:.2f} V, "
+            "RMSE (eq. 8) {:.3f} V (paper: 3.48 V, 7.01e-3 1/s, 0.89 V, 0.064 V).",
             d->fit.a_V, 1e3 * d->fit.b_per_s, d->fit.c_V, d->fit.rmse_V),
         std::move(f));
   }

@@ -86,7 +86,9 @@ std::string paper_markdown(const std::vector<SensorStudy>& studies, const charac
   out += "\n## Equations\n\n" + std::string(kEquations);
   if (flexi != nullptr && flexi->find("harmonic.loss") != nullptr) {
     out +=
-        "\n## Table II\n\nMean ± standard deviation over all sessions. a and c in volts differ by the clash stated under the laws; b and c/a are what compares. The rig's maxima scatter less about the exponential than the paper's (RMSE): its noise is that of amplifier and converter, and the film repeats itself from cycle to cycle.\n\n" +
+        "\n## Table II\n\nMean ± standard deviation over all sessions. a and c in volts differ by the clash stated under the laws; "
+        "b and c/a are what compares. The rig's maxima scatter less about the exponential than the paper's (RMSE): "
+        "its noise is that of amplifier and converter, and the film repeats itself from cycle to cycle.\n\n" +
         table_II_markdown(*flexi, plan);
     out += "\n## The laws (5)\n\n" + laws_markdown(flexi->laws);
     if (const std::string table = table_III_markdown(*flexi); !table.empty())
@@ -97,7 +99,8 @@ std::string paper_markdown(const std::vector<SensorStudy>& studies, const charac
   out += "\n## The printed Table II on its own\n\n" + printed_table_markdown();
   if (flexi != nullptr && flexi->find("control.identified_maxima") != nullptr) {
     out +=
-        "\n## Where the paper's specimen lies\n\nForce control, 1.1 to 3.2 N at 0.5 Hz, 20 min, compensation by eq. (7). The paper's one specimen had 4.5 % (maxima) and 7.5 % (minima).\n\n" +
+        "\n## Where the paper's specimen lies\n\nForce control, 1.1 to 3.2 N at 0.5 Hz, 20 min, compensation by eq. (7). "
+        "The paper's one specimen had 4.5 % (maxima) and 7.5 % (minima).\n\n" +
         levels_markdown(*flexi);
     const auto stopped = flexi->share_where("control.raw_stopped", [](double v) { return v > 50.0; });
     const auto window =

@@ -207,105 +207,155 @@ double right_margin(const Panel& panel) {
   return margin;
 }
 
-}  // namespace
-
-std::string Figure::svg(Target target) const {
-  const std::size_t n_columns = static_cast<std::size_t>(std::max(1, columns));
-  const std::size_t n_rows = (panels_.size() + n_columns - 1) / n_columns;
-  const double cell_width =
-      (width_px - kColumnGap_px * static_cast<double>(n_columns - 1)) / static_cast<double>(n_columns);
-
-  std::vector<Cell> cells(panels_.size());
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    cells[i].panel = &panels_[i];
-    cells[i].range = data_range(panels_[i]);
+// Where the cells stand: columns of one width, filled row by row.
+struct Grid {
+  std::size_t columns, rows;
+  double cell_width_px;
+  double left_px(std::size_t cell) const {
+    return static_cast<double>(cell % columns) * (cell_width_px + kColumnGap_px);
   }
+};
+
+Grid grid_of(const Figure& figure) {
+  const std::size_t columns = static_cast<std::size_t>(std::max(1, figure.columns));
+  return {columns, (figure.panels().size() + columns - 1) / columns,
+          (figure.width_px - kColumnGap_px * static_cast<double>(columns - 1)) / static_cast<double>(columns)};
+}
+
+std::vector<Cell> cells_with_data_ranges(const Figure& figure) {
+  std::vector<Cell> cells(figure.panels().size());
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    cells[i].panel = &figure.panels()[i];
+    cells[i].range = data_range(figure.panels()[i]);
+  }
+  return cells;
+}
+
+void share_ranges(const Figure& figure, const Grid& grid, std::vector<Cell>& cells) {
+  const auto include = [](Range& range, const Range& other) {
+    range.include(other.low);
+    range.include(other.high);
+  };
   for (std::size_t i = 0; i < cells.size(); ++i)
     for (std::size_t j = 0; j < cells.size(); ++j) {
-      if (share_x && i % n_columns == j % n_columns) {
-        cells[i].range.x.include(data_range(panels_[j]).x.low);
-        cells[i].range.x.include(data_range(panels_[j]).x.high);
-      }
-      if (share_y && i / n_columns == j / n_columns) {
-        cells[i].range.y.include(data_range(panels_[j]).y.low);
-        cells[i].range.y.include(data_range(panels_[j]).y.high);
-      }
+      if (figure.share_x && i % grid.columns == j % grid.columns) include(cells[i].range.x, data_range(figure.panels()[j]).x);
+      if (figure.share_y && i / grid.columns == j / grid.columns) include(cells[i].range.y, data_range(figure.panels()[j]).y);
     }
-  for (Cell& cell : cells) {
-    bool fills = false, points = false, bar_texts = false;
-    for (const Series& s : cell.panel->series) {
-      fills |= std::holds_alternative<HeatMap>(s) || std::holds_alternative<Density>(s);
-      points |= std::holds_alternative<PointSeries>(s);
-      if (const auto* bars = std::get_if<BarSeries>(&s))
-        for (const Bar& b : bars->bars) bar_texts |= !bars->horizontal && !b.text.empty();
-    }
-    cell.range.x = finish_range(cell.panel->x_axis, cell.range.x, fills || !points ? 0.0 : 0.02);
-    cell.range.y = finish_range(cell.panel->y_axis, cell.range.y, fills ? 0.0 : bar_texts ? 0.14 : 0.06);
-    cell.right_px = right_margin(*cell.panel);
-    cell.footer_px = cell.panel->show_x_labels ? (axis_label(cell.panel->x_axis).empty() ? 22.0 : 36.0) : 6.0;
-    for (const Tick& t : axis_ticks(cell.panel->y_axis, cell.range.y, cell.panel->height_px, 34.0))
-      cell.left_px = std::max(cell.left_px, text_width_px(t.label, kFont_px) + 9.0);
+}
+
+// Fills reach to the edge; points, and texts above bars, want room there.
+void pad_ranges(Cell& cell) {
+  bool fills = false, points = false, bar_texts = false;
+  for (const Series& s : cell.panel->series) {
+    fills |= std::holds_alternative<HeatMap>(s) || std::holds_alternative<Density>(s);
+    points |= std::holds_alternative<PointSeries>(s);
+    if (const auto* bars = std::get_if<BarSeries>(&s))
+      for (const Bar& b : bars->bars) bar_texts |= !bars->horizontal && !b.text.empty();
   }
-  for (std::size_t i = 0; i < cells.size(); ++i)  // plots of one column stand on one line
-    for (std::size_t j = i % n_columns; j < cells.size(); j += n_columns) {
+  cell.range.x = finish_range(cell.panel->x_axis, cell.range.x, fills || !points ? 0.0 : 0.02);
+  cell.range.y = finish_range(cell.panel->y_axis, cell.range.y, fills ? 0.0 : bar_texts ? 0.14 : 0.06);
+}
+
+void set_margins(Cell& cell) {
+  const Panel& panel = *cell.panel;
+  cell.right_px = right_margin(panel);
+  cell.footer_px = panel.show_x_labels ? (axis_label(panel.x_axis).empty() ? 22.0 : 36.0) : 6.0;
+  for (const Tick& t : axis_ticks(panel.y_axis, cell.range.y, panel.height_px, 34.0))
+    cell.left_px = std::max(cell.left_px, text_width_px(t.label, kFont_px) + 9.0);
+}
+
+// Plots of one column stand on one line.
+void align_columns(const Grid& grid, std::vector<Cell>& cells) {
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    for (std::size_t j = i % grid.columns; j < cells.size(); j += grid.columns) {
       cells[i].left_px = std::max(cells[i].left_px, cells[j].left_px);
       cells[i].right_px = std::max(cells[i].right_px, cells[j].right_px);
     }
+}
 
-  std::string body;
-  double y = target == Target::standalone ? 6.0 : 2.0;
-  if (show_title) {
-    body += text_element(0.0, y + 13.0, title, Anchor::left, "k b");
-    y += 22.0;
+std::vector<Cell> lay_out(const Figure& figure, const Grid& grid) {
+  std::vector<Cell> cells = cells_with_data_ranges(figure);
+  share_ranges(figure, grid, cells);
+  for (Cell& cell : cells) {
+    pad_ranges(cell);
+    set_margins(cell);
   }
-  for (std::size_t row = 0; row < n_rows; ++row) {
-    double header = 0.0, plot = 0.0, footer = 0.0;
-    std::vector<std::string> headers;
-    const std::size_t end = std::min(cells.size(), (row + 1) * n_columns);
-    for (std::size_t i = row * n_columns; i < end; ++i) {
-      double height = 0.0;
-      const double left = static_cast<double>(i % n_columns) * (cell_width + kColumnGap_px);
-      headers.push_back(draw_header(cells[i], left, y, cell_width, &height));
-      header = std::max(header, height);
-      plot = std::max(plot, cells[i].panel->height_px);
-      footer = std::max(footer, cells[i].footer_px);
-    }
-    for (std::size_t i = row * n_columns; i < end; ++i) {
-      Cell& cell = cells[i];
-      const double left = static_cast<double>(i % n_columns) * (cell_width + kColumnGap_px) + cell.left_px;
-      const double width = std::max(40.0, cell_width - cell.left_px - cell.right_px);
-      cell.area = {left,
-                   y + header,
-                   width,
-                   cell.panel->height_px,
-                   Mapping{cell.range.x, cell.panel->x_axis.scale, width, false, cell.panel->x_axis.linear_within},
-                   Mapping{cell.range.y, cell.panel->y_axis.scale, cell.panel->height_px, true, cell.panel->y_axis.linear_within}};
-      body += headers[i - row * n_columns] + draw_axes(cell);
-      const std::string w = coordinate(width), h = coordinate(cell.area.height);
-      body += "<svg x=\"" + coordinate(left) + "\" y=\"" + coordinate(cell.area.top) + "\" width=\"" + w +
-              "\" height=\"" + h + "\" viewBox=\"0 0 " + coordinate(width * 10) + " " +
-              coordinate(cell.area.height * 10) + "\" overflow=\"hidden\">" +
-              draw_clipped(*cell.panel, cell.area) + "</svg>" + draw_texts(*cell.panel, cell.area);
-      if (const HeatMap* map = colour_bar_of(*cell.panel)) body += draw_colour_bar(*map, cell);
-      if (cell.panel->direct_labels) body += draw_direct_labels(cell);
-    }
-    y += header + plot + footer + kPanelGap_px;
-  }
-  y = y - kPanelGap_px + 2.0;
+  align_columns(grid, cells);
+  return cells;
+}
 
-  const bool alone = target == Target::standalone;
+PlotArea plot_area(const Cell& cell, double cell_left, double cell_width, double top) {
+  const Axis &x = cell.panel->x_axis, &y = cell.panel->y_axis;
+  const double width = std::max(40.0, cell_width - cell.left_px - cell.right_px), height = cell.panel->height_px;
+  return {cell_left + cell.left_px,
+          top,
+          width,
+          height,
+          Mapping{cell.range.x, x.scale, width, false, x.linear_within},
+          Mapping{cell.range.y, y.scale, height, true, y.linear_within}};
+}
+
+std::string draw_plot(const Cell& cell) {
+  const PlotArea& a = cell.area;
+  std::string out = draw_axes(cell);
+  out += "<svg x=\"" + coordinate(a.left) + "\" y=\"" + coordinate(a.top) + "\" width=\"" + coordinate(a.width) +
+         "\" height=\"" + coordinate(a.height) + "\" viewBox=\"0 0 " + coordinate(a.width * 10) + " " +
+         coordinate(a.height * 10) + "\" overflow=\"hidden\">" + draw_clipped(*cell.panel, a) + "</svg>" +
+         draw_texts(*cell.panel, a);
+  if (const HeatMap* map = colour_bar_of(*cell.panel)) out += draw_colour_bar(*map, cell);
+  if (cell.panel->direct_labels) out += draw_direct_labels(cell);
+  return out;
+}
+
+// The cells of one row from `top` on, which moves down by their height.
+std::string draw_row(std::vector<Cell>& cells, const Grid& grid, std::size_t row, double& top) {
+  const std::size_t begin = row * grid.columns, end = std::min(cells.size(), begin + grid.columns);
+  double header = 0.0, plot = 0.0, footer = 0.0;
+  std::vector<std::string> headers;
+  for (std::size_t i = begin; i < end; ++i) {
+    double height = 0.0;
+    headers.push_back(draw_header(cells[i], grid.left_px(i), top, grid.cell_width_px, &height));
+    header = std::max(header, height);
+    plot = std::max(plot, cells[i].panel->height_px);
+    footer = std::max(footer, cells[i].footer_px);
+  }
+  std::string out;
+  for (std::size_t i = begin; i < end; ++i) {
+    cells[i].area = plot_area(cells[i], grid.left_px(i), grid.cell_width_px, top + header);
+    out += headers[i - begin] + draw_plot(cells[i]);
+  }
+  top += header + plot + footer + kPanelGap_px;
+  return out;
+}
+
+std::string svg_element(const Figure& figure, bool alone, double height_px, const std::string& body) {
   const double margin = alone ? 8.0 : 0.0;
-  const std::string w = coordinate(width_px + 2 * margin), h = coordinate(y + (alone ? 4.0 : 0.0));
+  const std::string w = coordinate(figure.width_px + 2 * margin), h = coordinate(height_px + (alone ? 4.0 : 0.0));
   std::string out = "<svg class=\"fig\" role=\"img\" ";
   if (alone) out += "xmlns=\"http://www.w3.org/2000/svg\" ";
-  out += "width=\"" + w + "\" height=\"" + h + "\" viewBox=\"" + coordinate(-margin) + " 0 " + w + " " + h +
-         "\">";
-  out += "<title>" + escape(title) + "</title>";
-  if (!summary.empty()) out += "<desc>" + escape(summary) + "</desc>";
+  out += "width=\"" + w + "\" height=\"" + h + "\" viewBox=\"" + coordinate(-margin) + " 0 " + w + " " + h + "\">";
+  out += "<title>" + escape(figure.title) + "</title>";
+  if (!figure.summary.empty()) out += "<desc>" + escape(figure.summary) + "</desc>";
   if (alone)
     out += "<style>" + figure_css(false) + "</style><rect class=\"pg\" x=\"" + coordinate(-margin) +
            "\" width=\"" + w + "\" height=\"" + h + "\"/>";
   return out + body + "</svg>" + (alone ? "\n" : "");
+}
+
+}  // namespace
+
+std::string Figure::svg(Target target) const {
+  const bool alone = target == Target::standalone;
+  const Grid grid = grid_of(*this);
+  std::vector<Cell> cells = lay_out(*this, grid);
+  std::string body;
+  double y = alone ? 6.0 : 2.0;
+  if (show_title) {
+    body += text_element(0.0, y + 13.0, title, Anchor::left, "k b");
+    y += 22.0;
+  }
+  for (std::size_t row = 0; row < grid.rows; ++row) body += draw_row(cells, grid, row, y);
+  return svg_element(*this, alone, y - kPanelGap_px + 2.0, body);
 }
 
 }  // namespace forcegate::figures
