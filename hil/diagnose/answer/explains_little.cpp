@@ -4,12 +4,15 @@
 #include <cmath>
 
 #include "hil/base/quantile.h"
+#include "hil/diagnose/answer/wide_scatter.h"
 #include "hil/diagnose/base/judge.h"
 #include "hil/diagnose/base/mixed_model.h"
 
 namespace forcegate::diagnose {
 
 namespace {
+
+constexpr double kMostLeft = 0.75;  // of the RMS: over half of the mean square
 
 struct LeftOver {
   double rms = 0.0;         // of the channel's scale
@@ -39,15 +42,14 @@ LeftOver left_over(const ResidualChannel& channel, const MixedFit& fit, const Mi
 
 // The error of all, and that of the typical record that stood far above the noise: one record may have a fault of its own.
 bool leaves_most_of(const LeftOver& before, const LeftOver& after) {
-  constexpr double kMost = 0.75;  // of the RMS: over half of the mean square
-  if (!(after.rms > kMost * before.rms)) return false;
+  if (!(after.rms > kMostLeft * before.rms)) return false;
   double log_ratio = 0.0, n = 0.0;
   for (std::size_t k = 0; k < before.square.size(); ++k) {
     if (!(before.square[k] > kFarAboveNoise * kFarAboveNoise * before.noise[k])) continue;
     log_ratio += 0.5 * std::log(std::max(1e-9, after.square[k] / before.square[k]));
     n += 1.0;
   }
-  return !(log_ratio < n * std::log(kMost));
+  return !(log_ratio < n * std::log(kMostLeft));
 }
 
 double allowed_square(const LeftOver& left) {
@@ -122,6 +124,15 @@ bool withdraw_what_explains_little(const ResidualChannel& channel, const Selecti
                                          : "what stands beside it leaves too much of the error, far above the noise");
       }
   return true;
+}
+
+void withdraw_drifts_beside_wide_gains(const ResidualChannel& channel, const Selection& selection, std::vector<Finding>& findings) {
+  if (!selection.claimed.valid || !(std::sqrt(selection.claimed.variance[channel.problem.component_of_z[0]]) > kFarGain)) return;
+  for (const ChosenEffect& c : selection.chosen) {
+    if (!c.between || c.kind->name != "reference_drift" || !(c.error_after > kMostLeft * c.error_before)) continue;
+    for (Finding& f : findings)
+      if (is_claim_of(c, f)) f.limit(kWithdrawn, "the gains of the records scatter widely beside it, and move their zeros too");
+  }
 }
 
 }  // namespace forcegate::diagnose

@@ -20,4 +20,8 @@ namespace forcegate::diagnose {
 bool withdraw_what_explains_little(const ResidualChannel& channel, const Selection& selection, const Remainder& rest, JudgedBy by,
                                    std::vector<Finding>& findings);
 
+/// Gains that scatter about another load than none move the zeros too: the claim of a zero that drifts from record to record is a suspicion where the gains
+/// go on scattering by more than kFarGain and left-out records keep more than three quarters of their RMS error.
+void withdraw_drifts_beside_wide_gains(const ResidualChannel& channel, const Selection& selection, std::vector<Finding>& findings);
+
 }  // namespace forcegate::diagnose

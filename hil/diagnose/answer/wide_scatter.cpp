@@ -12,8 +12,7 @@ namespace forcegate::diagnose {
 namespace {
 
 constexpr double kGain = 0.03, kZero = 0.01;        // of the gain, of the span
-// One sensor's gain differs by 9 to 10 % from session to session (Lebosse 2011, III-D): eight records of 9 % show more than 15 % once in 145 times (chi squared), of 10 % once in 36.
-constexpr double kFarGain = 0.15, kFarZero = 0.03;
+constexpr double kFarZero = 0.03;
 constexpr std::size_t kFewestRecords = 4;
 
 // +1: up from record to record, -1: down, 0: neither. Kendall's tau of six in a chance order is beyond 0.86 once in 60 times, of eight once in 2500.

@@ -44,6 +44,7 @@ Withdrawals withdraw(Workspace& w, const Selection& selection, const Remainder& 
   withdraw_against_reference(against, out);
   done.of_reference = !against.effects.empty();
   done.explain_little = withdraw_what_explains_little(w.output, selection, rest, w.judges, out.findings);
+  withdraw_drifts_beside_wide_gains(w.output, selection, out.findings);
   leave_to_reference_noise(w, out.findings);
   done.tips = withdraw_tips(rest, out.findings);
   return done;

@@ -35,5 +35,34 @@ TEST(ExplainsLittle, ACurveThatLeavesLittleIsNamed) {
   EXPECT_GE(probability(d, "static_nonlinearity"), 0.9) << told(d);
 }
 
+// The claim of an effect between records of which left-out records keep `left` of their error, while their gains scatter by `gains`.
+double probability_of_drift(const std::string& name, double left, double gains) {
+  EffectKind kind;
+  kind.name = name;
+  ResidualChannel channel;
+  channel.problem.component_of_z = {0, 1};
+  Selection selection;
+  selection.claimed.valid = true;
+  selection.claimed.variance = Eigen::Vector2d(gains * gains, 1e-6);
+  ChosenEffect chosen;
+  chosen.kind = &kind;
+  chosen.between = true;
+  chosen.error_before = 1.0;
+  chosen.error_after = left;
+  selection.chosen.push_back(chosen);
+  std::vector<Finding> findings(1);
+  findings[0].effect = name;
+  findings[0].probability = 0.9;
+  withdraw_drifts_beside_wide_gains(channel, selection, findings);
+  return findings[0].probability;
+}
+
+TEST(ExplainsLittle, AZeroThatDriftsBesideGainsThatScatterFarMoreIsASuspicion) {
+  EXPECT_LT(probability_of_drift("reference_drift", 0.85, 0.2), 0.5);
+  EXPECT_EQ(probability_of_drift("reference_drift", 0.6, 0.2), 0.9);
+  EXPECT_EQ(probability_of_drift("reference_drift", 0.85, 0.01), 0.9);
+  EXPECT_EQ(probability_of_drift("thermal", 0.85, 0.2), 0.9);
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose
