@@ -231,7 +231,7 @@ Decision decide(std::span<const Check* const> checks, const DecisionRule& rule, 
   if (!all.open.empty()) return with_stop(left_open(all.open));
   const bool any_run = std::any_of(all.required.begin(), all.required.end(),
                                    [](const Check* c) { return c->verdict != Verdict::waived; });
-  if (!any_run) return no_decision(Blame::user, 3, "no required check was run");
+  if (!any_run) return with_stop(no_decision(Blame::user, 3, "no required check was run"));
   if (events.safety_stop)
     return with_stop(no_decision(Blame::rig, 5, "a safety stop happened although every check passed"));
   return accept(all.required, checks);

@@ -247,6 +247,9 @@ TEST(Decision, without_any_check_there_is_no_decision) {
   Check waived = check(9.0, 1.0);
   waived.verdict = Verdict::waived;
   EXPECT_EQ(decided({waived}).exit_code, 3);
+  RunEvents events;
+  events.safety_stop = events.safety_cause_decided = true;
+  EXPECT_TRUE(decided({waived}, events).safety_stop) << "told, whatever the reason";
 }
 
 TEST(Decision, does_not_believe_a_pass_that_is_none) {
