@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "hil/model/model_frame.h"
@@ -79,6 +80,18 @@ void fill(AirChannel channel, const CampaignInput& c, const RecordInput& r, doub
   }
 }
 
+// Highest less lowest value within one record.
+double longest_run(const CampaignInput& c, AirChannel channel) {
+  double out = 0.0;
+  for (const RecordInput& r : c.records) {
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const double x : r.*channel)
+      if (std::isfinite(x)) low = std::min(low, x), high = std::max(high, x);
+    out = std::max(out, high - low);
+  }
+  return out;
+}
+
 RecordedCause mean_of_record(AirChannel channel, const std::string& unit) {
   constexpr double kPlain_C = 2.0, kPlain_pct = 5.0;
   const bool warm = channel == &RecordInput::temp_C;
@@ -117,15 +130,15 @@ EffectForm lagged_form(AirChannel channel, bool CampaignInput::*recorded, const 
 }
 
 EffectForm bent_form(std::string name, AirChannel channel, bool CampaignInput::*recorded, const std::string& suffix,
-                         const std::string& unit, std::vector<double> taus_s, double bend) {
+                         const std::string& unit, std::vector<double> taus_s, double bend, double least_run) {
   return {.name = std::move(name),
           .shape = {lag_of_film(), {"bend_per_" + suffix, "1/" + unit, -0.2, 0.2, bend, "bend: the change of its slope, as a share, with one more of the unit"}},
           .strength = gain_and_offset(suffix, unit),
           .sign = StrengthSign::either,
           .grid =
-              [recorded, taus_s = std::move(taus_s), bend](const CampaignInput& c) {
+              [channel, recorded, taus_s = std::move(taus_s), bend, least_run](const CampaignInput& c) {
                 std::vector<std::vector<double>> out;
-                if (!(c.*recorded)) return out;
+                if (!(c.*recorded) || longest_run(c, channel) < least_run) return out;
                 for (const double tau_s : taus_s)
                   for (const double k : {-bend, bend}) out.push_back({tau_s, k});
                 return out;

@@ -27,9 +27,10 @@ EffectForm lagged_form(AirChannel channel, bool CampaignInput::*recorded, const 
 /// Form `name` ("isotherm" of what a film takes up, "activated" of what conducts through it), strengths as "lagged": no straight line of the channel, it
 /// bends up or down,
 ///   dU = g (c_gain W + c_offset R) phi(x_s - x_ref),  phi(d) = (exp(k d) - 1)/k,
-/// k of either sign, tried at +-`bend` (1/<unit>).
+/// k of either sign, tried at +-`bend` (1/<unit>) where the channel runs through `least_run` within one record at least: a handful of records that differ
+/// have no number to spare for a bend.
 EffectForm bent_form(std::string name, AirChannel channel, bool CampaignInput::*recorded, const std::string& suffix,
-                         const std::string& unit, std::vector<double> taus_s, double bend);
+                         const std::string& unit, std::vector<double> taus_s, double bend, double least_run = 0.0);
 
 inline constexpr const char* kUnrecorded = "unrecorded";
 

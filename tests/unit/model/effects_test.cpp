@@ -31,6 +31,7 @@ CampaignInput input_for(const EffectKind& kind, const EffectForm& form) {
   out.has_command = out.has_capacitance = true;
   for (RecordInput& r : out.records) {
     r.F_cmd_N = r.F_N;
+    for (std::size_t i = 0; i < r.temp_C.size(); ++i) r.temp_C[i] += 6.0 * r.t_s[i] / r.t_s.back();
     for (const double F : r.F_N) r.C_F.push_back(1e-12 * (22.0 + 3.1 * F));
     // the wheel is a little way off the sensor now and then
     for (std::size_t i = 0; i < r.rows(); ++i) r.rig_force_N.push_back(i % 53 == 0 ? -0.4 : r.F_N[i] - 0.05 * (1.0 - r.F_N[i]));
