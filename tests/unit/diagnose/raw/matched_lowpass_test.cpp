@@ -61,6 +61,17 @@ TEST(MatchedLowpass, WhatTheFilterHeldIsNotKnownAtTheStartNorAfterAStretchWithou
   EXPECT_TRUE(std::isfinite(U[2100 + settling + 2]));
 }
 
+TEST(MatchedLowpass, RowsThatTheLoggerLostAreSuchAStretch) {
+  Record r = recorded(0.001, 4000, [](double t) { return t; });
+  for (std::size_t i = 2000; i < 4000; ++i) r.trace.time_bases[0].t_s[i] += 0.5;
+  match_reference_lowpass(r, {}, kCorner_Hz);
+  const auto settling = static_cast<std::size_t>(5.0 * kTau_s / 0.001);
+  EXPECT_TRUE(std::isfinite(output_of(r)[1999]));
+  EXPECT_FALSE(std::isfinite(output_of(r)[2000]));
+  EXPECT_FALSE(std::isfinite(output_of(r)[2000 + settling - 1]));
+  EXPECT_TRUE(std::isfinite(output_of(r)[2000 + settling + 2]));
+}
+
 TEST(MatchedLowpass, ASpikeThatIsMarkedLeavesNoTrace) {
   const auto ramp = [](double t) { return t; };
   Record with = recorded(0.001, 3000, ramp), without = recorded(0.001, 3000, ramp);
