@@ -191,7 +191,7 @@ CampaignRows declared_rows(const Campaign& campaign) {
   w.input.undeclared = std::ranges::all_of(campaign.records, [](const Record& r) { return r.kind.empty(); });
   w.input.generic = w.input.single && w.input.undeclared;
   w.input.notes = campaign.notes;
-  std::ranges::move(notes_of_cleaning(campaign.bench), std::back_inserter(w.input.notes));
+  note_cleaning(campaign.bench, w.input.notes);
   const Channel* output = campaign.records.front().trace.find("U");
   const bool is_ratio = output != nullptr && output->quantity == "ratio";
   if (output != nullptr && !output->unit.empty() && (is_ratio || output->unit != "1")) w.unit = output->unit;

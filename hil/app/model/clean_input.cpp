@@ -11,7 +11,7 @@ namespace forcegate {
 Result<CampaignInput> clean_input(Campaign campaign, unsigned threads, const RowParts& parts) {
   diagnose::leave_out_missing_codes(campaign, campaign.notes);
   diagnose::leave_out_absurd_force(campaign, threads, campaign.notes);
-  std::ranges::move(diagnose::notes_of_cleaning(campaign.bench), std::back_inserter(campaign.notes));
+  diagnose::note_cleaning(campaign.bench, campaign.notes);
   const diagnose::HealthScales scales = diagnose::health_scales(campaign, threads);
   std::vector<std::vector<std::uint8_t>> bad(campaign.records.size());
   parallel_for_largest_first(sample_counts(campaign), threads, [&](std::size_t k) {

@@ -21,7 +21,8 @@ class ForwardChoice {
  public:
   ForwardChoice(const CampaignInput& input, ResidualChannel& channel, const Given& given, const std::vector<std::string>& skip,
                 const SelectionRules& rules, unsigned threads)
-      : input_(input), channel_(channel), rules_(rules), threads_(threads), allowed_latency_s_(allowed_latency_s(input)), reference_latency_s_(reference_latency_s(input)), base_(given.base), carried_(given.base), taken_(skip) {
+      : input_(input), channel_(channel), rules_(rules), threads_(threads), allowed_latency_s_(allowed_latency_s(input)),
+        reference_latency_s_(reference_latency_s(input)), base_(given.base), carried_(given.base), taken_(skip) {
     add_columns(carried_, given.soaking);
     present_ = carried_;
   }
@@ -189,7 +190,8 @@ class ForwardChoice {
   }
 
   // The scatter within records and the spread between them are different questions: the next family may answer the other. What fits worse
-  // than a refused family answers the same question no better; yet evidence from strengths that records do not share, left-out ones or any, is no fit.
+  // than a refused family answers the same question no better; yet evidence from strengths that records do not share, left-out ones or any, is no fit,
+  // nor is that of codes which explain too little.
   bool turn_down(const FamilyScore& family, Refusal why) {
     constexpr std::size_t kMostPlaces = 4;
     out_.refused.push_back({family.kind->name, why, family.gain});

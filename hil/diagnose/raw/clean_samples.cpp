@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/format.h>
-
 #include "hil/base/plain_number.h"
 #include "hil/diagnose/raw/denoise.h"
 #include "hil/diagnose/raw/hum_claim.h"
@@ -66,9 +64,10 @@ void smooth_noisy_reference(Record& record, const HealthScales& scales, bool dra
 
 }  // namespace
 
-std::vector<std::string> notes_of_cleaning(const BenchFacts& bench) {
-  if (!std::isfinite(bench.reference_lowpass_Hz)) return {};
-  return {fmt::format("the output is taken through the low-pass of {} Hz that campaign.json declares of the reference: both are as late", plain_number(bench.reference_lowpass_Hz))};
+void note_cleaning(const BenchFacts& bench, std::vector<std::string>& notes) {
+  if (std::isfinite(bench.reference_lowpass_Hz))
+    notes.push_back("the output is taken through the low-pass of " + plain_number(bench.reference_lowpass_Hz) +
+                    " Hz that campaign.json declares of the reference: both are as late");
 }
 
 CleanedSamples clean_samples(Record& record, const HealthScales& scales, const BenchFacts& bench, bool draw) {

@@ -11,10 +11,11 @@ struct CleanedSamples {
   std::vector<CutOut> cuts;
 };
 
-/// Changes the record's channels U and F_ref: where the bench declares a low-pass of the reference, U is behind it too afterwards. `draw`: cuts for pictures too.
+/// Changes the record's channels U and F_ref: where the bench declares a low-pass of the reference, U is behind it too afterwards.
+/// `draw`: cuts for pictures too.
 CleanedSamples clean_samples(Record& record, const HealthScales& scales, const BenchFacts& bench, bool draw);
 
-/// What it does to all records because the bench was declared so, for the user.
-std::vector<std::string> notes_of_cleaning(const BenchFacts& bench);
+/// Tells what it does to all records because the bench was declared so.
+void note_cleaning(const BenchFacts& bench, std::vector<std::string>& notes);
 
 }  // namespace forcegate::diagnose
