@@ -60,6 +60,15 @@ bool is_plain_silence(const HealthTotals& totals) {
   return totals.silent_runs >= kFewest && totals.records_of_silent >= totals.several();
 }
 
+// No noise repeats itself: a few blocks are enough.
+std::optional<HealthClaim> claim_of_repeated(const HealthTotals& totals) {
+  constexpr std::size_t kFewest = 3;
+  if (totals.repeated_blocks < kFewest || totals.records_of_repeated < totals.several()) return std::nullopt;
+  return HealthClaim{"dropouts", 0.95,
+                     totals.percent(totals.repeated) + " of the samples of the output are in blocks that were sent before, noise and all, while the reference goes on",
+                     "share", "1", totals.share(totals.repeated), std::sqrt(totals.repeated) / totals.samples};
+}
+
 // A slow record does not show that its samples are held: one that does so again and again is enough. Nor does any hand hold the output that
 // long at one code where its noise goes over the codes.
 bool is_plainly_held(const RecordHealth& h) {
@@ -82,6 +91,7 @@ bool are_many(const std::vector<RecordHealth>& health, const HealthTotals& total
 std::optional<HealthClaim> claim_of_dropouts(const std::vector<RecordHealth>& health, const HealthTotals& totals, const HealthScales& scales,
                                              bool missing_codes) {
   if (auto missing = claim_of_missing(totals)) return missing;
+  if (auto repeated = claim_of_repeated(totals)) return repeated;
   const bool plain_silence = !missing_codes && is_plain_silence(totals);
   const bool plain_holds = !missing_codes && are_plain_holds(health, totals, scales);
   const double lost = totals.held + (plain_silence ? totals.silent : 0.0) + totals.zeros;

@@ -1,5 +1,5 @@
 #pragma once
-// Whether samples of the output are lost: missing, held, silent or at the low end while the force goes on.
+// Whether samples of the output are lost: missing, held, silent, sent twice or at the low end while the force goes on.
 
 #include <optional>
 #include <vector>

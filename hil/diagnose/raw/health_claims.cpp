@@ -53,23 +53,26 @@ std::string note_of_left_out(const std::vector<RecordHealth>& health, const std:
   const auto claimed = [&](const char* effect) { return std::ranges::find(claims, effect, &HealthClaim::effect) != claims.end(); };
   const bool dropouts = claimed("dropouts"), outliers = claimed("outliers");
   constexpr std::size_t kNamed = 4;
-  std::size_t zeros = 0, spikes = 0, records = 0;
+  std::size_t zeros = 0, spikes = 0, repeated = 0, records = 0;
   std::string where;
   for (const RecordHealth& h : health) {
-    const std::size_t own_zeros = dropouts ? 0 : h.zeros + (outliers ? 0 : h.lone_zeros), own_spikes = outliers ? 0 : h.outliers;
+    const std::size_t own_zeros = dropouts ? 0 : h.zeros + (outliers ? 0 : h.lone_zeros), own_spikes = outliers ? 0 : h.outliers,
+                      own_repeated = dropouts ? 0 : h.repeated;
     zeros += own_zeros;
     spikes += own_spikes;
-    if (own_zeros + own_spikes > 0 && ++records <= kNamed) where += (where.empty() ? "" : ", ") + h.record;
+    repeated += own_repeated;
+    if (own_zeros + own_spikes + own_repeated > 0 && ++records <= kNamed) where += (where.empty() ? "" : ", ") + h.record;
   }
   if (records > kNamed) where += " and " + std::to_string(records - kNamed) + " more";
-  if (zeros + spikes == 0) return {};
+  if (zeros + spikes + repeated == 0) return {};
   const bool of_steps = are_steps_of_converter(health);
   std::string what;
-  if (zeros > 0) what += std::to_string(zeros) + " at the low end where the force says otherwise";
-  if (zeros > 0 && spikes > 0) what += ", ";
-  if (spikes > 0)
-    what += std::to_string(spikes) + (of_steps ? " that go back and forth between the same levels, as over a step of the converter"
-                                               : " far off their neighbours");
+  const auto add = [&](std::size_t samples, const char* which) {
+    if (samples > 0) what += (what.empty() ? "" : ", ") + std::to_string(samples) + which;
+  };
+  add(zeros, " at the low end where the force says otherwise");
+  add(repeated, " in blocks that were sent before");
+  add(spikes, of_steps ? " that go back and forth between the same levels, as over a step of the converter" : " far off their neighbours");
   return std::string("samples of the output left out") + (of_steps ? ": " : ", too few for a finding: ") + what + " (" + where + ")";
 }
 

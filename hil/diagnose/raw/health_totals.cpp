@@ -42,6 +42,9 @@ HealthTotals health_totals(const std::vector<RecordHealth>& health) {
     out.silent += static_cast<double>(h.silent);
     out.silent_runs += h.silent_runs;
     out.records_of_silent += h.silent_runs > 0 ? 1 : 0;
+    out.repeated += static_cast<double>(h.repeated);
+    out.repeated_blocks += h.repeated_blocks;
+    out.records_of_repeated += h.repeated_blocks > 0 ? 1 : 0;
     out.zeros += static_cast<double>(h.zeros + lone_losses);
     out.fallen += h.zero_runs > 0 ? static_cast<double>(h.zeros) : 0.0;
     out.zero_runs += h.zero_runs;

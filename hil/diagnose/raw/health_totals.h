@@ -31,6 +31,8 @@ struct HealthTotals {
   double held = 0.0;
   double silent = 0.0;  ///< not in `held`
   std::size_t silent_runs = 0, records_of_silent = 0;
+  double repeated = 0.0;
+  std::size_t repeated_blocks = 0, records_of_repeated = 0;
   double zeros = 0.0;
   double fallen = 0.0;  ///< zeros of the records that have runs of them, lone ones left out
   std::size_t zero_runs = 0, records_of_zeros = 0;

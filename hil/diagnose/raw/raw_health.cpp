@@ -12,6 +12,7 @@
 #include "hil/diagnose/raw/mains_line.h"
 #include "hil/diagnose/raw/range_ends.h"
 #include "hil/diagnose/raw/record_scales.h"
+#include "hil/diagnose/raw/repeated_blocks.h"
 #include "hil/diagnose/raw/sample_marks.h"
 #include "hil/diagnose/raw/sample_noise.h"
 #include "hil/diagnose/raw/silent_runs.h"
@@ -75,6 +76,19 @@ void mark_falls(const ForceAndOutput& samples, const StepsOfOutput& steps, const
 void mark_missing(const std::vector<double>& U, SampleMarks& marks) {
   for (std::size_t i = 2; i + 2 < U.size(); ++i)
     if (!std::isfinite(U[i])) marks.mark(i, BadSample::missing, 0.0);
+}
+
+void mark_repeated(const ForceAndOutput& samples, const RecordScales& scales, SampleMarks& marks, RecordHealth& out) {
+  const std::vector<double>& U = samples.U_V();
+  for (const RepeatedBlock& block : find_repeated_blocks(U, samples.F_N(), scales.lsb_U_V, scales.noise_U_V)) {
+    ++out.repeated_blocks;
+    out.repeated += block.end - block.begin;
+    // from where it came to where it goes on, along a straight line
+    const double before_V = U[block.begin - 1], after_V = block.end < U.size() ? U[block.end] : before_V;
+    const double step_V = (after_V - before_V) / static_cast<double>(block.end - block.begin + 1);
+    for (std::size_t i = block.begin; i < block.end; ++i)
+      marks.mark(i, BadSample::held, U[i] - before_V - step_V * static_cast<double>(i - block.begin + 1));
+  }
 }
 
 void mark_lone(const std::vector<double>& U, const LoneSamples& lone, BadSample why, SampleMarks& marks) {
@@ -214,6 +228,7 @@ void find_bad_samples(const ForceAndOutput& samples, const RecordScales& scales,
   SampleMarks marks(samples, scales);
   mark_falls(samples, steps, scales, marks);
   mark_missing(U, marks);
+  mark_repeated(samples, scales, marks, out);
   const OffTheirNeighbours off = find_lone_samples(samples, steps, scales);
   mark_lone(U, off.at_low_end, BadSample::zero, marks);
   const bool has_short_spikes = mark_short_spikes(samples, scales, thrown, off.spikes, marks, out);

@@ -21,7 +21,7 @@ enum class BadSample : std::uint8_t {
   zero,      ///< at the low end where the force says otherwise
   outlier,
   bit,       ///< off by the weight of one bit of the converter
-  held,
+  held,      ///< at its last value, or a block that was sent before
   rail,
   censored,  ///< at a declared end of the range, or next to a rail: no fault
 };
@@ -56,6 +56,8 @@ struct RecordHealth {
   double rail_V = 0.0;                        ///< voltage of the flat tops, when there are some
   std::size_t silent_runs = 0;                ///< of one code where noise goes over the codes (silent_runs.h)
   std::size_t silent = 0;                     ///< samples of these, not in `held`
+  std::size_t repeated_blocks = 0;            ///< of the output, sent a second time (repeated_blocks.h)
+  std::size_t repeated = 0;                   ///< samples of these, not in `held`
   std::vector<HeldRun> runs;                  ///< those that `held` and `at_rail` count
   double top_V = 0.0;                         ///< largest output
   double hum_V = 0.0, hum_Hz = 0.0, hum_ratio = 0.0;  ///< strongest mains line, as sampled, and its power over its neighbours
