@@ -92,7 +92,7 @@ double longest_run(const CampaignInput& c, AirChannel channel) {
   return out;
 }
 
-RecordedCause mean_of_record(AirChannel channel, const std::string& unit) {
+RecordedCause reading_of(AirChannel channel, const std::string& unit, const std::function<FilmStart(std::span<const double>)>& start) {
   constexpr double kPlain_C = 2.0, kPlain_pct = 5.0;
   const bool warm = channel == &RecordInput::temp_C;
   return {warm ? "temperature" : "humidity", unit, [channel](const RecordInput& r) {
@@ -100,8 +100,14 @@ RecordedCause mean_of_record(AirChannel channel, const std::string& unit) {
             for (const double x : r.*channel)
               if (std::isfinite(x)) sum += x, n += 1.0;
             return n > 0.0 ? sum / n : kMissing;
-          }, warm ? kPlain_C : kPlain_pct};
+          }, warm ? kPlain_C : kPlain_pct,
+          [channel, start](const CampaignInput& c, const RecordInput& r, std::span<const double> shape) {
+            return lagged_channel(c, r, channel, shape[0], start(shape));
+          }};
 }
+
+FilmStart as_shaped(std::span<const double> shape) { return shape[1] != 0.0 ? FilmStart::mean : FilmStart::equilibrium; }
+FilmStart in_equilibrium(std::span<const double>) { return FilmStart::equilibrium; }
 
 }  // namespace
 
@@ -123,10 +129,10 @@ EffectForm lagged_form(AirChannel channel, bool CampaignInput::*recorded, const 
               },
           .columns = [channel](const CampaignInput& c, const RecordInput& r, std::span<const double> shape,
                                ColumnsRef out) {
-            fill(channel, c, r, shape[0], shape[1] != 0.0 ? FilmStart::mean : FilmStart::equilibrium, out, [](double x) { return x; });
+            fill(channel, c, r, shape[0], as_shaped(shape), out, [](double x) { return x; });
           },
           .singles = true,
-          .cause = mean_of_record(channel, unit)};
+          .cause = reading_of(channel, unit, as_shaped)};
 }
 
 EffectForm bent_form(std::string name, AirChannel channel, bool CampaignInput::*recorded, const std::string& suffix,
@@ -150,7 +156,7 @@ EffectForm bent_form(std::string name, AirChannel channel, bool CampaignInput::*
                 fill(channel, c, r, shape[0], FilmStart::equilibrium, out, [k](double x) { return bent(k, x); });
               },
           .singles = true,
-          .cause = mean_of_record(channel, unit)};
+          .cause = reading_of(channel, unit, in_equilibrium)};
 }
 
 EffectForm unrecorded_form(std::function<bool(const CampaignInput&)> possible) {

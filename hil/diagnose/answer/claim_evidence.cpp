@@ -140,35 +140,70 @@ class Unseen {
   std::map<std::size_t, Pair> left_out_;
 };
 
-double mean_without_own(const ResidualChannel& channel, const MixedFit& fit, std::size_t k) {
+// Without what the record has of its own, a gain and a zero.
+Eigen::VectorXd rows_without_own(const ResidualChannel& channel, const MixedFit& fit, std::size_t k) {
   const MixedProblem& p = channel.problem;
   const Eigen::MatrixXd& A = channel.rows[k].matrix;
   Eigen::VectorXd e = A.col(p.y_index()) - A.leftCols(p.n_fixed) * fit.coefficient.head(p.n_fixed);
   for (const int column : fit.columns) e -= A.col(p.nz + column) * fit.strength_of(column);
-  return e.size() > 0 ? channel.scale * e.mean() : NAN;
+  return channel.scale * e;
+}
+
+// The cause at the rows of every record; empty where a record has but one, nearly.
+std::vector<Eigen::VectorXd> cause_within_records(const Chosen& c, const ChosenEffect& effect) {
+  constexpr double kRuns = 0.25;  // of what the campaign runs through
+  const Candidate& of = candidate_of(c.channel, effect.variant);
+  if (!of.form->cause.of_rows) return {};
+  std::vector<Eigen::VectorXd> out;
+  double low = INFINITY, high = -INFINITY, run = 0.0;
+  for (std::size_t k = 0; k < c.channel.rows.size(); ++k) {
+    const std::vector<double> x = of.form->cause.of_rows(c.w.input, c.record(k), of.shape);
+    const std::vector<std::size_t>& rows = c.channel.rows[k].row;
+    Eigen::VectorXd at(x.empty() ? Index{0} : static_cast<Index>(rows.size()));
+    for (Index j = 0; j < at.size(); ++j) at[j] = x[rows[static_cast<std::size_t>(j)]];
+    if (at.size() > 0) {
+      low = std::min(low, at.minCoeff());
+      high = std::max(high, at.maxCoeff());
+      run = std::max(run, at.maxCoeff() - at.minCoeff());
+    }
+    out.push_back(std::move(at));
+  }
+  return run > kRuns * (high - low) ? out : std::vector<Eigen::VectorXd>{};
 }
 
 // Without the records' own gains and zeros, which would hide it.
 std::optional<EvidenceSeries> between_series(const Chosen& c, const ChosenEffect& effect) {
+  constexpr Index kStretches = 8;
   const CampaignInput& input = c.w.input;
   const std::size_t n = c.channel.problem.records.size();
   const bool can_leave_out = c.w.judges != JudgedBy::whole && n > 2 && n <= kMostRecords;
   const Pair of_all = fit_both(c.channel, c.selection, effect, std::nullopt);
-  EvidenceSeries s;
-  s.title = "mean " + c.axes.residual + " of every record" + (can_leave_out ? ", each left out in turn" : "");
   const RecordedCause& cause = candidate_of(c.channel, effect.variant).form->cause;
   const bool timed = input.has_start_times || input.single;
-  s.x_name = cause.of_record ? cause.name : timed ? "start in campaign time" : "record, in order";
+  const std::vector<Eigen::VectorXd> within = cause_within_records(c, effect);
+  const auto of_record = [&](std::size_t k) {
+    const RecordInput& r = c.record(k);
+    if (cause.of_record) return cause.of_record(r);
+    return timed ? (r.start_s + (input.single ? r.t_s[c.channel.rows[k].row.front()] : 0.0)) / 60.0 : static_cast<double>(k) + 1.0;
+  };
+  EvidenceSeries s;
+  s.title = "mean " + c.axes.residual + (within.empty() ? " of every record" : " of every eighth of a record") +
+            (can_leave_out ? within.empty() ? ", each left out in turn" : ", each record left out in turn" : "");
+  s.x_name = cause.of_record ? cause.name + (within.empty() ? "" : " of the film") : timed ? "start in campaign time" : "record, in order";
   s.x_unit = cause.of_record ? cause.unit : timed ? "min" : "1";
   s.y_unit = c.channel.unit;
   for (std::size_t k = 0; k < n; ++k) {
     const Pair own = can_leave_out ? fit_both(c.channel, c.selection, effect, k) : of_all;
-    const auto& rows = c.channel.rows[k].row;
-    if (!own.valid() || rows.empty()) continue;
-    const RecordInput& r = c.record(k);
-    s.x.push_back(cause.of_record ? cause.of_record(r) : timed ? (r.start_s + (input.single ? r.t_s[rows.front()] : 0.0)) / 60.0 : static_cast<double>(k) + 1.0);
-    s.before.push_back(mean_without_own(c.channel, own.without, k));
-    s.after.push_back(mean_without_own(c.channel, own.with, k));
+    const auto rows = static_cast<Index>(c.channel.rows[k].row.size());
+    if (!own.valid() || rows == 0 || (!within.empty() && within[k].size() == 0)) continue;
+    const Eigen::VectorXd before = rows_without_own(c.channel, own.without, k), after = rows_without_own(c.channel, own.with, k);
+    const Index stretches = within.empty() ? 1 : std::min(kStretches, rows);
+    for (Index i = 0; i < stretches; ++i) {
+      const Index from = i * rows / stretches, count = (i + 1) * rows / stretches - from;
+      s.x.push_back(within.empty() ? of_record(k) : within[k].segment(from, count).mean());
+      s.before.push_back(before.segment(from, count).mean());
+      s.after.push_back(after.segment(from, count).mean());
+    }
   }
   if (s.x.size() < 3) return std::nullopt;
   return s;

@@ -85,6 +85,7 @@ class ForwardChoice {
     result_ = screen(channel_, present_, taken_, warm, threads_, kIterations, RecordUse::all_records, forms_);
     place_ = 0;
     if (!result_.base.valid) return false;
+    refine_films(input_, channel_, present_, result_, threads_);
     if (std::ranges::find(taken_, "mounting") == taken_.end()) place_mountings(input_, channel_, result_.base, threads_);
     judge_between_records(input_, channel_, present_, rules_, result_);
     out_.final = result_.base;

@@ -15,7 +15,7 @@ namespace {
 constexpr int kMostRounds = 8, kMostTurns = 4, kMostFamilies = 4;
 constexpr std::size_t kMostForms = 2;  // beside the best one
 constexpr double kOfNoise = 0.1;       // of what the instruments may leave (mean square): another form has nothing to mend
-constexpr double kWorthMoving = 0.5, kStill = 0.05, kFlat = 2.0;  // nats
+constexpr double kWorthRefining = 6.0, kWorthMoving = 0.5, kStill = 0.05, kFlat = 2.0;  // nats
 
 // Vertex of the parabola through three equally spaced values, in steps from the middle; within one step and a half.
 double vertex(double low, double middle, double high) {
@@ -124,10 +124,33 @@ bool refine_family(const CampaignInput& input, ResidualChannel& channel, const s
   return true;
 }
 
+namespace {
+
+// Whether it was worth it; all as it was, where it was not.
+bool refine_in_place(const CampaignInput& input, ResidualChannel& channel, const std::vector<int>& present, const MixedFit& base, FamilyScore& family,
+                     unsigned threads) {
+  SpareRoom room(channel);
+  const FamilyScore coarse = family;
+  if (refine_family(input, channel, present, base, family, threads) && family.gain - coarse.gain > kWorthMoving) {
+    room.keep();
+    return true;
+  }
+  family = coarse;
+  return false;
+}
+
+}  // namespace
+
+void refine_films(const CampaignInput& input, ResidualChannel& channel, const std::vector<int>& present, ScreenResult& result, unsigned threads) {
+  for (FamilyScore& family : result.families)
+    if (family.kind->traits.between_records && candidate_of(channel, family.best.variant).form->cause.of_rows && family.gain >= kWorthRefining)
+      refine_in_place(input, channel, present, result.base, family, threads);
+}
+
 void refine_leaders(const CampaignInput& input, ResidualChannel& channel, const std::vector<int>& present,
                     ScreenResult& result, unsigned threads) {
   if (result.families.empty()) return;
-  const double reach = std::max(6.0, 0.4 * result.families.front().gain);
+  const double reach = std::max(kWorthRefining, 0.4 * result.families.front().gain);
   int refined = 0;
   for (FamilyScore& family : result.families) {
     // the user's own equation starts where the user guessed: it is always given its chance
@@ -135,16 +158,7 @@ void refine_leaders(const CampaignInput& input, ResidualChannel& channel, const 
     // a handful of records does not settle a shape: its evidence stays the mean over the grid
     if (family.kind->traits.between_records) continue;
     if (!own && (family.gain < reach || refined == kMostFamilies)) continue;
-    SpareRoom room(channel);
-    const double before = family.gain;
-    const FamilyScore coarse = family;
-    if (refine_family(input, channel, present, result.base, family, threads) &&
-        family.gain - before > kWorthMoving) {
-      ++refined;
-      room.keep();
-      continue;
-    }
-    family = coarse;
+    if (refine_in_place(input, channel, present, result.base, family, threads)) ++refined;
   }
   std::stable_sort(result.families.begin(), result.families.end(), [](const FamilyScore& a, const FamilyScore& b) { return standing(a) > standing(b); });
 }

@@ -19,6 +19,10 @@ void climb(const EffectForm& form, std::vector<double> start, const std::functio
 bool refine_family(const CampaignInput& input, ResidualChannel& channel, const std::vector<int>& present,
                    const MixedFit& base, FamilyScore& family, unsigned threads);
 
+/// Lags of films of whose cause the rows within records tell, before the records' levels are asked: a film that is off by half its lag explains
+/// little of what runs on within a record.
+void refine_films(const CampaignInput& input, ResidualChannel& channel, const std::vector<int>& present, ScreenResult& result, unsigned threads);
+
 /// Families within reach of the best, refined and sorted again; the best stays where its columns are, the room of the
 /// others is given back.
 void refine_leaders(const CampaignInput& input, ResidualChannel& channel, const std::vector<int>& present,

@@ -18,8 +18,8 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .needs = {},
     .traits = {.between_records = true},
     .forms = {unrecorded_form([](const CampaignInput& c) { return !c.has_temp; }),
-              lagged_form(&RecordInput::temp_C, &CampaignInput::has_temp, "C", "degC", {0.0, 15.0, 60.0, 240.0, 800.0, 2400.0}),
-              bent_form("activated", &RecordInput::temp_C, &CampaignInput::has_temp, "C", "degC", {0.0, 15.0, 60.0, 240.0}, 0.03, 3.0)}}};
+              lagged_form(&RecordInput::temp_C, &CampaignInput::has_temp, "C", "degC", {0.0, 7.0, 15.0, 30.0, 60.0, 240.0, 800.0, 2400.0}),
+              bent_form("activated", &RecordInput::temp_C, &CampaignInput::has_temp, "C", "degC", {0.0, 7.0, 15.0, 30.0, 60.0, 240.0}, 0.03, 3.0)}}};
 
 }  // namespace
 }  // namespace forcegate
