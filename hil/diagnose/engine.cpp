@@ -64,7 +64,7 @@ void collect_findings(const Workspace& w, const Search& search, const Remainder&
   add_findings(w, w.output, search.output, named_enough ? std::max(rest.explained, kNamedEnough) : rest.explained, out);
   out.findings.insert(out.findings.end(), search.suspicions.begin(), search.suspicions.end());
   for (Finding& f : out.findings)
-    if (f.effect == "reference_drift" && f.of_output() && !w.rig_sees_zero) decide_by_capacitance(w.input, f);
+    if (f.effect == "reference_drift" && f.of_output() && w.rig_shows != RigShows::zero_of_records && f.form != "course_over_rig") decide_by_capacitance(w.input, f);
   for (const HealthClaim& claim : w.raw_claims) out.findings.push_back(of_raw_samples(claim, w.output.unit));
   if (rig_is_judged(w, search)) {
     const Selection& rig = search.rig;

@@ -32,7 +32,9 @@ struct Candidate {
 };
 
 /// Whether its columns change gain or zero from record to record: it is judged by these.
-inline bool moves_levels(const Candidate& c) { return c.kind->traits.between_records || c.form->outlasts; }
+inline bool moves_levels(const Candidate& c) {
+  return (c.kind->traits.between_records && c.form->after_rig != RigShows::course_within_records) || c.form->outlasts;
+}
 
 /// What a channel lists when it does not list everything.
 struct ListedOnly {
@@ -44,6 +46,7 @@ struct ListedOnly {
 struct Variant {
   int candidate = 0;
   std::vector<int> columns;
+  bool of_levels_alone = false;  ///< what the rows within the records hold of it something else shows better
 };
 
 /// Chosen rows of one record, as the Gram matrix saw them.
@@ -114,8 +117,7 @@ struct Workspace {
   LateDrive late_drive;
   bool has_rig = false;
   std::vector<double> rig_slope_N;  ///< per record: newtons a unit of 1 - cos th; 0 without an angle
-  bool rig_sees_zero =
-      false;  ///< the rig's own law has one zero for all records: a drift of the reference shows beside it
+  RigShows rig_shows = RigShows::nothing;  ///< of a drift of the reference
   JudgedBy judges = JudgedBy::heldout;
 };
 

@@ -45,6 +45,15 @@ struct RecordedCause {
   std::string name, unit;
   std::function<double(const RecordInput&)> of_record;  ///< empty: nobody recorded it
   double plain = 0.0;  ///< in `unit`: between records that differ by so much and more, an effect of it is likely
+  /// The same at every row, behind the form's own lag; empty: it is one number for each record
+  std::function<std::vector<double>(const CampaignInput&, const RecordInput&, std::span<const double> shape)> of_rows = {};
+};
+
+/// What the rig's own law shows of the reference's zero.
+enum class RigShows {
+  nothing,
+  zero_of_records,       ///< one law for all records: where each record's zero stands, and its course
+  course_within_records, ///< a line of each record's own, which takes its mean away: how the zero moves within it
 };
 
 struct EffectForm {
@@ -67,7 +76,7 @@ struct EffectForm {
   bool whole = false;    ///< what other forms of the family move one by one: taken where both are asked for, and not asked itself
   bool outlasts = false; ///< its state runs on from record to record and moves their levels, which are asked first (hil/diagnose/between/outlasting.h)
   bool last = false;     ///< so flexible that it is asked only where nothing else is found, and nothing is asked beside it
-  bool from_rig = false; ///< of the output, after what another channel has shown
+  RigShows after_rig = RigShows::nothing;  ///< of the output, where the rig has shown so much of the reference
   bool groups = false;   ///< a column belongs to one group of records each, the first group has none
   RecordedCause cause = {};
   std::string beside = {};  ///< an effect that the model must have: the form is how this one and that one act together

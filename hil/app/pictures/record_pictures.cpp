@@ -299,7 +299,7 @@ std::vector<RecordLevel> levels_of(const diagnose::Workspace& w, const std::vect
       level.gain_pct = 100.0 * (m.gain / gain - 1.0);
       level.u_gain_pct = 100.0 * u_gain;
     }
-    if (w.rig_sees_zero && r.rig_force_N.size() == r.rows())  // a record's own line has its zero in it
+    if (w.rig_shows == RigShows::zero_of_records && r.rig_force_N.size() == r.rows())  // a record's own line has its zero in it
       std::tie(level.reference_N, level.u_reference_N) = mean_of(tenths, [&](std::size_t i) { return r.F_N[i] - r.rig_force_N[i]; });
     out.push_back(std::move(level));
   }

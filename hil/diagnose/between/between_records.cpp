@@ -166,7 +166,7 @@ RecordChance chance(const ResidualChannel& channel, const RecordLevels& levels, 
 // What nobody measured, steps, a smooth course, the loading done, what it left behind: sessions of a bench can look like it.
 bool only_goes_with_time(const ResidualChannel& channel, const FamilyScore& family) {
   const Candidate& of = candidate_of(channel, family.records.variant);
-  if (of.form->from_rig) return false;
+  if (of.form->after_rig != RigShows::nothing) return false;
   return of.form->name == kUnrecorded || of.form->outlasts || unknown_steps(of) > 0 || family.kind->name == "wear" || family.kind->name == "reference_drift";
 }
 

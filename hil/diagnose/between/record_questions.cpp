@@ -84,7 +84,7 @@ FamilyQuestion ask(const ResidualChannel& channel, const RecordLevels& levels, c
     const Variant& variant = channel.variants[v];
     const Candidate& candidate = channel.candidates[static_cast<std::size_t>(variant.candidate)];
     // both columns of a form at once are asked by its single columns together
-    if (candidate.kind != &kind || (!kind.traits.between_records && !candidate.form->outlasts) || candidate.form->whole || (candidate.form->singles && variant.columns.size() > 1)) continue;
+    if (candidate.kind != &kind || !moves_levels(candidate) || candidate.form->whole || (candidate.form->singles && variant.columns.size() > 1)) continue;
     const int steps = unknown_steps(candidate);
     out.seeks_places = out.seeks_places || steps > 0;
     if (steps > 1) {

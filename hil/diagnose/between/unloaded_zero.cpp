@@ -91,7 +91,7 @@ double spread_of(const std::vector<Rest>& rests, const Of& of) {
 std::optional<std::vector<Rest>> told_rests(const Workspace& w, const MixedFit& fit) {
   constexpr std::size_t kFewest = 4;
   constexpr double kOfSpread = 0.3, kOfSpreadUnderLoad = 0.1, kOfAll = 0.5, kOfRange = 0.005, kSteps = 3.0, kTared = 2.0;
-  if (w.rig_sees_zero || w.has_command || w.input.has_capacitance || !fit.valid || w.gain_V_per_N == 0.0) return std::nullopt;
+  if (w.rig_shows == RigShows::zero_of_records || w.has_command || w.input.has_capacitance || !fit.valid || w.gain_V_per_N == 0.0) return std::nullopt;
   std::vector<Rest> rests = rests_of(w, fit);
   const std::size_t least = std::max(kFewest, (rests.size() + 1) / 2);
   double step_N = 0.0;

@@ -23,6 +23,8 @@ namespace {
 
 // Shares of the force's variance that the angle or the command explains where the rig makes the force of it.
 constexpr double kOfWheel = 0.9, kOfCommand = 0.5;
+// A shorter record has a zero, and no course of it.
+constexpr double kShortestCourse_s = 15.0;
 
 // k (preload + eccentricity (1 - cos theta)) without k: the zero of the reference can be seen against it.
 std::vector<double> spring_travel_mm(const RecordInput& r) {
@@ -117,9 +119,9 @@ double stiffness_N_per_mm(const CampaignInput& input) {
 // F_ref less the rig's law over the record's time: its mean, and where it lasts long enough slow waves; what goes with the spring's
 // force is none of it.
 std::vector<double> zero_over_rig_N(const RecordInput& r, double least_N) {
-  constexpr double kFewest = 50.0, kShortest_s = 60.0, kWave_s = 40.0;
+  constexpr double kFewest = 50.0, kWave_s = 10.0;
   constexpr int kMostWaves = 8, kOfSpring = 2;
-  const int waves = r.duration_s > kShortest_s ? std::clamp(static_cast<int>(r.duration_s / kWave_s), 1, kMostWaves) : 0;
+  const int waves = r.duration_s > kShortestCourse_s ? std::clamp(static_cast<int>(r.duration_s / kWave_s), 1, kMostWaves) : 0;
   // cos pi (k + 1) t / T by Chebyshev's recurrence
   std::array<double, kMostWaves> wave{};
   const auto set_waves = [&](double t_s) {
@@ -158,7 +160,9 @@ std::vector<double> zero_over_rig_N(const RecordInput& r, double least_N) {
     A += x * x.transpose();
     y += (r.F_N[i] - r.rig_force_N[i] - mean_d) * x;
   }
-  A.diagonal().array() += 1e-6 * n;
+  // a ramp up and down is nearly a wave: of the two that would cancel both stay small
+  constexpr double kRidge = 0.01;
+  A.diagonal().array() += kRidge * n;
   const Eigen::VectorXd c = A.ldlt().solve(y);
   double mean_wave = 0.0;
   std::vector<double> out(r.rows(), 0.0);
@@ -171,26 +175,30 @@ std::vector<double> zero_over_rig_N(const RecordInput& r, double least_N) {
   return out;
 }
 
-// Against the middle one of all records: what all have in common is nobody's drift.
-void find_zeros(CampaignInput& input, unsigned threads) {
+// Of one law against the middle one of all records: what all have in common is nobody's drift. A line of a record's own has taken its mean away.
+RigShows find_zeros(CampaignInput& input, bool one_law, unsigned threads) {
   parallel_for(input.records.size(), threads, [&](std::size_t k) {
     RecordInput& r = input.records[k];
     r.rig_zero_N.clear();
     if (!r.rig_force_N.empty()) r.rig_zero_N = zero_over_rig_N(r, kOpenContact * input.range_N);
   });
+  if (!one_law) {
+    const auto seen = std::ranges::count_if(input.records, [](const RecordInput& r) { return !r.rig_zero_N.empty() && r.duration_s > kShortestCourse_s; });
+    return 2 * static_cast<std::size_t>(seen) >= input.records.size() ? RigShows::course_within_records : RigShows::nothing;
+  }
   std::vector<double> middle;
   for (const RecordInput& r : input.records)
     if (!r.rig_zero_N.empty()) middle.push_back(r.rig_zero_N[r.rows() / 2]);
   const double common = middle.empty() ? 0.0 : quantile(std::move(middle), 0.5);
   for (RecordInput& r : input.records)
     for (double& zero : r.rig_zero_N) zero -= common;
+  return RigShows::zero_of_records;
 }
 
 }  // namespace
 
 void find_rig_law(Workspace& w, std::vector<std::size_t>& records, unsigned threads) {
   const double stiffness = stiffness_N_per_mm(w.input);
-  w.rig_sees_zero = stiffness > 0.0;
   w.rig_slope_N.assign(w.input.records.size(), 0.0);
   for (std::size_t k = 0; k < w.input.records.size(); ++k) {
     RecordInput& r = w.input.records[k];
@@ -222,7 +230,7 @@ void find_rig_law(Workspace& w, std::vector<std::size_t>& records, unsigned thre
     if (!r.cos_theta.empty()) w.rig_slope_N[k] = line.xy / line.xx;
     records.push_back(k);
   }
-  if (w.rig_sees_zero) find_zeros(w.input, threads);
+  w.rig_shows = find_zeros(w.input, stiffness > 0.0, threads);
 }
 
 void build_rig_channel(Workspace& w, unsigned threads) {

@@ -223,20 +223,21 @@ void list_candidates(const Workspace& w, EffectChannel which, bool drift_in_outp
     if (only != nullptr && std::find(only->begin(), only->end(), kind.name) == only->end()) return;
     // the drive has a channel of its own
     if (only == nullptr && kind.name == "motor") return;
-    const bool rig_tells = which == EffectChannel::output && w.rig_sees_zero && kind.name == "reference_drift";
+    const RigShows rig = which == EffectChannel::output && kind.name == "reference_drift" ? w.rig_shows : RigShows::nothing;
     for (const EffectForm& form : kind.forms) {
-      if (form.from_rig && !rig_tells) continue;
+      if (form.after_rig != RigShows::nothing && form.after_rig != rig) continue;
       if (!form.beside.empty() && std::ranges::none_of(of_model, [&](const Candidate& c) { return c.kind->name == form.beside; })) continue;
       for (const std::vector<double>& shape : form.grid(w.input)) {
         Candidate c{&kind, &form, shape, out.problem.ns, static_cast<int>(form.strength.size())};
         const int index = static_cast<int>(out.candidates.size());
         const std::vector<int> all = columns_of(c);
-        // courses that the rig would show better are there to be carried along, banks of what acts together to soak up: they do not compete
-        const bool only_soaks = form.bank && !form.beside.empty();
-        if ((!rig_tells || form.from_rig) && !only_soaks) {
-          out.variants.push_back({index, all});
+        // courses that the rig shows better are there to be carried along, or asked of what it does not show; banks of what acts together to soak
+        // up: they do not compete
+        const bool only_soaks = form.bank && !form.beside.empty(), is_shown = rig != RigShows::nothing && form.after_rig != rig;
+        if (!only_soaks && !(is_shown && rig == RigShows::zero_of_records)) {
+          out.variants.push_back({index, all, is_shown});
           if (form.singles && c.count > 1)
-            for (int j : all) out.variants.push_back({index, {j}});
+            for (int j : all) out.variants.push_back({index, {j}, is_shown});
         }
         out.problem.ns += c.count;
         out.candidates.push_back(std::move(c));

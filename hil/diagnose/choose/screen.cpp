@@ -210,10 +210,11 @@ ScreenResult screen(const ResidualChannel& channel, const std::vector<int>& pres
   if (!out.base.valid) return out;
   std::vector<VariantScore> scores(channel.variants.size());
   std::vector<char> used(channel.variants.size(), 0);
+  const auto is_screened = [&](std::size_t v) { return candidate_of(channel, static_cast<int>(v)).form->competes() && !channel.variants[v].of_levels_alone; };
   const auto score_all = [&](Start start = Start::base) {
     parallel_for(channel.variants.size(), threads, [&](std::size_t v) {
       const Candidate& c = candidate_of(channel, static_cast<int>(v));
-      if (!c.form->competes() || (c.form->last && forms == Forms::ordinary) || std::find(skip.begin(), skip.end(), c.kind->name) != skip.end()) return;
+      if (!is_screened(v) || (c.form->last && forms == Forms::ordinary) || std::find(skip.begin(), skip.end(), c.kind->name) != skip.end()) return;
       scores[v] = score_from(channel, present, out.base, static_cast<int>(v), nullptr, iterations, start);
       used[v] = scores[v].gain > -1e299 ? 1 : 0;
     });
@@ -248,7 +249,7 @@ ScreenResult screen(const ResidualChannel& channel, const std::vector<int>& pres
     std::map<const EffectForm*, int> of_form;
     for (std::size_t v = 0; v < scores.size(); ++v) {
       const Candidate& c = candidate_of(channel, static_cast<int>(v));
-      if (c.kind != &kind || !c.form->competes()) continue;
+      if (c.kind != &kind || !is_screened(v)) continue;
       n += 1.0;  // one beyond its bounds had a share of the prior as well
       if (used[v] == 0) continue;
       const auto index = static_cast<int>(v);

@@ -104,7 +104,7 @@ std::vector<int> drift_columns(const ResidualChannel& channel) {
   const EffectKind& kind = *EffectRegistry::instance().find("reference_drift");
   std::vector<int> out = bank_columns(channel, kind);
   for (const Candidate& c : channel.candidates)
-    if (c.kind == &kind && c.form->from_rig) out.push_back(c.first);
+    if (c.kind == &kind && c.form->after_rig != RigShows::nothing) out.push_back(c.first);
   return out;
 }
 

@@ -185,7 +185,7 @@ ChosenEffect as_chosen(const CampaignInput& input, const ResidualChannel& channe
   chosen.effect_rms = family.best.effect_rms;
   chosen.fit = family.best.fit;
   chosen.left_out = cross_fit(channel, base, family.best.fit);
-  chosen.between = family.kind->traits.between_records || asks_between_records(family) || family.records.same_strength;
+  chosen.between = moves_levels(candidate_of(channel, family.best.variant)) || asks_between_records(family) || family.records.same_strength;
   chosen.describes_whole = rules.one_zero && !chosen.between && describes_whole(input, channel, base, family.best.fit);
   chosen.records = family.records;
   if (chosen.between) {

@@ -2,8 +2,10 @@
 //   F_ref = F + c d(t), so dU = -g D c d(t) at given F_ref; the same drift appears in F_ref minus the rig's law.
 //   d = t/T, (t/T)^2, log(1 + t/tau).  0.5 to 5 % of full scale over hours (own estimate).
 // as_rig_shows: d as F_ref minus the rig's law has it, c = -1: a zero that jumps at will is told from the sensor's by two witnesses that agree.
+// course_over_rig: the same within records, where the law is a line of each record's own: its mean is lost with the line.
 
 #include <cmath>
+#include <utility>
 
 #include "hil/model/effect.h"
 
@@ -75,8 +77,8 @@ EffectForm wander() {
           .bank = true};
 }
 
-EffectForm as_rig_shows() {
-  return {.name = "as_rig_shows",
+EffectForm over_rig(std::string name, RigShows after_rig) {
+  return {.name = std::move(name),
           .shape = {},
           .strength = {{"c", "1", -2.0, 2.0, 0.0, "share of the zero against the rig's law that the output does not follow"}},
           .sign = StrengthSign::negative,
@@ -87,7 +89,7 @@ EffectForm as_rig_shows() {
               },
           .least = -1.3,
           .most = -0.7,
-          .from_rig = true};
+          .after_rig = after_rig};
 }
 
 const Registration<EffectKind> kRegistered{EffectKind{
@@ -102,7 +104,8 @@ const Registration<EffectKind> kRegistered{EffectKind{
         "an unloaded zero before and after every record; a third witness: the rig's own law, or the capacitance C_F",
     .needs = {Need::witness},
     .traits = {.between_records = true, .needs_records = true},
-    .forms = {polynomial(), warm_up(), wander(), as_rig_shows()}}};
+    .forms = {polynomial(), warm_up(), wander(), over_rig("as_rig_shows", RigShows::zero_of_records),
+              over_rig("course_over_rig", RigShows::course_within_records)}}};
 
 }  // namespace
 }  // namespace forcegate

@@ -55,7 +55,7 @@ TEST(RecordPictures, ARigLawWithAZeroOfEachRecordsOwnTellsNothingOfTheReference)
   diagnose::Workspace w = workspace(3, 7.0, 0.0);
   for (RecordInput& r : w.input.records) r.rig_force_N = r.F_N;
   EXPECT_TRUE(std::isnan(record_pictures(w, Model{}).levels[0].reference_N));
-  w.rig_sees_zero = true;
+  w.rig_shows = RigShows::zero_of_records;
   EXPECT_NEAR(record_pictures(w, Model{}).levels[0].reference_N, 0.0, 1e-12);
 }
 
