@@ -8,6 +8,7 @@
 
 #include "hil/diagnose/answer/load_direction.h"
 #include "hil/diagnose/answer/residual_map.h"
+#include "hil/diagnose/candidates/cause_course.h"
 
 namespace forcegate::diagnose {
 
@@ -151,24 +152,16 @@ Eigen::VectorXd rows_without_own(const ResidualChannel& channel, const MixedFit&
 
 // The cause at the rows of every record; empty where a record has but one, nearly.
 std::vector<Eigen::VectorXd> cause_within_records(const Chosen& c, const ChosenEffect& effect) {
-  constexpr double kRuns = 0.25;  // of what the campaign runs through
   const Candidate& of = candidate_of(c.channel, effect.variant);
-  if (!of.form->cause.of_rows) return {};
   std::vector<Eigen::VectorXd> out;
-  double low = INFINITY, high = -INFINITY, run = 0.0;
+  if (!runs_within_records(c.w.input, of)) return out;
   for (std::size_t k = 0; k < c.channel.rows.size(); ++k) {
     const std::vector<double> x = of.form->cause.of_rows(c.w.input, c.record(k), of.shape);
     const std::vector<std::size_t>& rows = c.channel.rows[k].row;
-    Eigen::VectorXd at(x.empty() ? Index{0} : static_cast<Index>(rows.size()));
-    for (Index j = 0; j < at.size(); ++j) at[j] = x[rows[static_cast<std::size_t>(j)]];
-    if (at.size() > 0) {
-      low = std::min(low, at.minCoeff());
-      high = std::max(high, at.maxCoeff());
-      run = std::max(run, at.maxCoeff() - at.minCoeff());
-    }
-    out.push_back(std::move(at));
+    out.emplace_back(x.empty() ? Index{0} : static_cast<Index>(rows.size()));
+    for (Index j = 0; j < out.back().size(); ++j) out.back()[j] = x[rows[static_cast<std::size_t>(j)]];
   }
-  return run > kRuns * (high - low) ? out : std::vector<Eigen::VectorXd>{};
+  return out;
 }
 
 // Without the records' own gains and zeros, which would hide it.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "hil/diagnose/between/between_records.h"
+#include "hil/diagnose/candidates/cause_course.h"
 #include "hil/diagnose/candidates/signatures.h"
 #include "hil/diagnose/candidates/spare_room.h"
 #include "hil/diagnose/choose/select.h"
@@ -143,7 +144,7 @@ bool refine_in_place(const CampaignInput& input, ResidualChannel& channel, const
 
 void refine_films(const CampaignInput& input, ResidualChannel& channel, const std::vector<int>& present, ScreenResult& result, unsigned threads) {
   for (FamilyScore& family : result.families)
-    if (family.kind->traits.between_records && candidate_of(channel, family.best.variant).form->cause.of_rows && family.gain >= kWorthRefining)
+    if (family.kind->traits.between_records && family.gain >= kWorthRefining && runs_within_records(input, candidate_of(channel, family.best.variant)))
       refine_in_place(input, channel, present, result.base, family, threads);
 }
 

@@ -19,8 +19,8 @@ void climb(const EffectForm& form, std::vector<double> start, const std::functio
 bool refine_family(const CampaignInput& input, ResidualChannel& channel, const std::vector<int>& present,
                    const MixedFit& base, FamilyScore& family, unsigned threads);
 
-/// Lags of films of whose cause the rows within records tell, before the records' levels are asked: a film that is off by half its lag explains
-/// little of what runs on within a record.
+/// Lags of films whose cause runs on within records, before the records' levels are asked: a film that is off by half its lag explains little
+/// there. Where it hardly runs on the levels tell, and a lag that is fitted to the rows would speak against them.
 void refine_films(const CampaignInput& input, ResidualChannel& channel, const std::vector<int>& present, ScreenResult& result, unsigned threads);
 
 /// Families within reach of the best, refined and sorted again; the best stays where its columns are, the room of the

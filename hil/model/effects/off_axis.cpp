@@ -4,7 +4,9 @@
 // With a turning wheel a loop that keeps its width at any speed; in servo mode a single curve: the clash is the signature.
 
 #include <algorithm>
+#include <array>
 #include <string>
+#include <vector>
 
 #include "hil/model/effect.h"
 
@@ -28,13 +30,41 @@ double arm_N(const RecordInput& r) {
   return spread > 1e-9 * n * n ? std::max(0.0, (n * xy - x1 * y1) / spread) : 0.0;
 }
 
+// A wheel that stays on one side, over one geometry, pushes sideways by a function of the force: no bent curve could be told from it. Variance of
+// sin th at one force, of all of it.
+std::vector<std::vector<double>> where_sides_differ(const CampaignInput& c) {
+  constexpr std::size_t kBins = 200;  // near a dead point the force hardly changes with the angle
+  constexpr double kDiffer = 0.05;
+  struct Moments {
+    double n = 0.0, sum = 0.0, square = 0.0;
+    void add(double x) { n += 1.0, sum += x, square += x * x; }
+    double scatter() const { return n > 0.0 ? square - sum * sum / n : 0.0; }
+  };
+  std::array<Moments, kBins> at_force;
+  Moments all;
+  double low = 1e300, high = -1e300;
+  for (const RecordInput& r : c.records)
+    if (!r.sin_theta.empty())
+      for (const double F : r.F_N) low = std::min(low, F), high = std::max(high, F);
+  for (const RecordInput& r : c.records)
+    for (std::size_t i = 0; i < r.sin_theta.size(); ++i) {
+      if (r.ok[i] == 0) continue;
+      const double share = high > low ? (r.F_N[i] - low) / (high - low) : 0.0;
+      at_force[std::min(kBins - 1, static_cast<std::size_t>(share * kBins))].add(r.sin_theta[i]);
+      all.add(r.sin_theta[i]);
+    }
+  double within = 0.0;
+  for (const Moments& bin : at_force) within += bin.scatter();
+  return within > kDiffer * all.scatter() ? std::vector<std::vector<double>>{{}} : std::vector<std::vector<double>>{};
+}
+
 EffectForm cam() {
   return {.name = "cam",
           .shape = {},
           .strength = {{"c1", "1", -10.0, 10.0, 0.0, "sideways push over half the stroke, constant part"},
                        {"c2", "1", -10.0, 10.0, 0.0, "the same, part that grows with the force"}},
           .sign = StrengthSign::either,
-          .grid = [](const CampaignInput&) { return std::vector<std::vector<double>>{{}}; },
+          .grid = where_sides_differ,
           .columns =
               [](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
                 out.setZero();
@@ -56,7 +86,7 @@ EffectForm form(const char* name, bool decayed) {
       .strength = {{"c1_N", "N", -10.0, 10.0, 0.0, "sideways push, constant part"},
                    {"c2", "1", -2.0, 2.0, 0.0, "sideways push, part that grows with the force"}},
       .sign = StrengthSign::either,
-      .grid = [](const CampaignInput&) { return std::vector<std::vector<double>>{{}}; },
+      .grid = where_sides_differ,
       .columns =
           [decayed](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
             out.setZero();

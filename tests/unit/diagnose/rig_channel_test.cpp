@@ -230,6 +230,16 @@ TEST(RigChannel, ASidewaysPushThatSaturatesIsOnePushThoughItsStrengthsScatter) {
   EXPECT_EQ(claims(diagnose(bench)), "off_axis ");
 }
 
+// From one preload: from several the same force comes from several sides.
+TEST(RigChannel, APushOfAWheelThatStaysOnOneSideIsACurveOfTheForce) {
+  Bench bench;
+  bench.turns_Hz = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+  bench.push = [](double, double, double th) { return 0.3 * std::sin(th); };
+  EXPECT_EQ(claims(diagnose(bench)), "off_axis ");
+  bench.preload_mm = [](int) { return 1.0; };
+  EXPECT_EQ(claims(diagnose(bench)), "static_nonlinearity ");
+}
+
 // At 4 Hz a reference that is 3 ms late looks like a third of the push, at 0.1 Hz like nothing of it.
 TEST(RigChannel, ASidewaysPushIsOneBesideALateReference) {
   Bench bench;

@@ -20,6 +20,7 @@ struct Bench {
   double resolution_N = 0.005;
   std::array<double, 7> turns_Hz = {0.0, 0.4, 0.0, 1.5, 0.0, 3.0, 0.0};  // 0: slowly to and fro
   std::function<double(int)> eccentricity_mm = [](int) { return 6.0; };
+  std::function<double(int)> preload_mm = [](int record) { return 1.0 + 0.3 * record; };
   std::function<double(double, double, double)> push = [](double, double, double) { return 0.0; };  // N, seen by the sensor
   std::function<double(double)> output_V = [](double U) { return U; };  // of the straight sensor's
   double lift_N = 0.0;                                                  // the wheel stands so far back
@@ -54,7 +55,7 @@ inline Campaign turning(const Bench& bench) {
     r.kind = rests ? "rest" : turns_Hz > 0.0 ? "sine" : "ramp";
     r.dynamic = false;
     r.start_s = 1500.0 * n;
-    const double p = rests ? -1.0 : 1.0 + 0.3 * n, e = bench.eccentricity_mm(n);
+    const double p = rests ? -1.0 : bench.preload_mm(n), e = bench.eccentricity_mm(n);
     r.eccentricity_mm = e;
     r.preload_mm = p;
     TimeBase clock;
