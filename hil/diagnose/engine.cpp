@@ -20,6 +20,7 @@
 #include "hil/diagnose/answer/remainder.h"
 #include "hil/diagnose/answer/reservation.h"
 #include "hil/diagnose/answer/sharper_output.h"
+#include "hil/diagnose/answer/uneven_wheel.h"
 #include "hil/diagnose/answer/verdict.h"
 #include "hil/diagnose/answer/wide_scatter.h"
 #include "hil/diagnose/answer/withdrawals.h"
@@ -143,6 +144,18 @@ void tell_moving_zero(const Workspace& w, const MixedFit& fit, Diagnosis& out) {
   else out.verdict = DiagnosisVerdict::unknown;
   out.depends_on = {"time"};
   out.follows = {std::move(zero->follows)};
+}
+
+// A fault of the wheel's form moves sensor and reference alike: the rig's law alone shows it.
+void tell_uneven_wheel(const Workspace& w, const Selection& rig, Diagnosis& out) {
+  if (std::ranges::any_of(out.findings, [](const Finding& f) { return f.claimed() && f.shown_in == ShownIn::rig; })) return;
+  std::optional<UnevenWheel> wheel = uneven_wheel(w, rig);
+  if (!wheel) return;
+  if (out.verdict == DiagnosisVerdict::known) out.residual_unknown = true;
+  else out.verdict = DiagnosisVerdict::unknown;
+  std::erase(out.depends_on, "angle");
+  out.depends_on.insert(out.depends_on.begin(), "angle");
+  out.follows.insert(out.follows.begin(), std::move(wheel->follows));
 }
 
 // The model's own effects are no candidates, nor are their other forms: where its forms leave far more than the instruments may and others of the
@@ -302,6 +315,7 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   claim_unloaded_zero(w, claimed, out);
   tell_wide_scatter(w, selection, out);
   tell_moving_zero(w, selection.final, out);
+  if (rig_is_judged(w, search)) tell_uneven_wheel(w, search.rig, out);
   tell_sharper_output(w, selection, options.threads, out);
   tell_decay(w, selection.final, options.threads, out);
   add_refused(search, out);

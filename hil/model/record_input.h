@@ -48,6 +48,7 @@ struct RecordInput {
   /// What else may be meant by it: the lowest force that was touched at all, m - A as declared; those that agree with it are not here
   std::vector<double> other_F_min_N;
   std::vector<double> frequency_jumps_s, jump_log_ratio;  ///< where the cycle frequency changes, ln(f2/f1)
+  double jumps_F_min_N = 0.0;                             ///< lowest settled force of a record with such jumps that is not `dynamic`
   std::vector<LostBlocks> lost_blocks;  ///< in rising order, as the output shows them (set before the fits)
 
   // campaign

@@ -127,7 +127,13 @@ void estimate_excitation(RecordInput& record, const Record* declared, double ran
   }
   record.f_Hz =
       declared != nullptr && declared->f_min_Hz ? *declared->f_min_Hz : 0.5 / std::max(typical_half_s, 1e-3);
-  if (!record.dynamic) set_static(record);
+  if (record.dynamic) return;
+  const double lowest_N = record.F_min_N;
+  set_static(record);
+  // cycles that do not decay by their word: a change of their frequency may show all the same
+  if (turns < fewest || is_static_kind(record.kind)) return;
+  find_jumps(record, turning);
+  record.jumps_F_min_N = lowest_N;
 }
 
 namespace {

@@ -33,7 +33,8 @@ AboveNoise far_above_noise(const ResidualChannel& channel, const Workspace& w, c
   int very_far = 0;
   double left = 0.0, noise = 0.0, log_ratio = 0.0, records = 0.0;
   for (std::size_t i = 0; i < residual.size(); ++i) {
-    if (residual[i].empty() || !w.input.records[channel.record_of[i]].frequency_jumps_s.empty()) continue;
+    const RecordInput& input = w.input.records[channel.record_of[i]];
+    if (residual[i].empty() || (input.dynamic && !input.frequency_jumps_s.empty())) continue;
     const RecordGram& record = channel.problem.records[i];
     double square = 0.0;
     for (const double e : residual[i]) square += e * e;

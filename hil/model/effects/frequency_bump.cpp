@@ -32,8 +32,8 @@ EffectForm form(const char* name, bool lost_swing, Height height) {
                     const double since = r.t_s[i] - r.frequency_jumps_s[j];
                     if (since >= 0.0) bump += height_of(r.jump_log_ratio[j], height) * std::exp(-since / shape[0]);
                   }
-                  const double swing = (lost_swing ? 1.0 - r.decay[i] : 1.0) * (r.F_N[i] - r.F_min_N);
-                  out(static_cast<Eigen::Index>(i), 0) = r.dynamic ? bump * swing : 0.0;
+                  const double swing_N = r.F_N[i] - (r.dynamic ? r.F_min_N : r.jumps_F_min_N);
+                  out(static_cast<Eigen::Index>(i), 0) = bump * (lost_swing ? 1.0 - r.decay[i] : 1.0) * swing_N;
                 });
               }};
 }

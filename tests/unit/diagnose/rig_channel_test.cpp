@@ -250,6 +250,21 @@ TEST(RigChannel, ASidewaysPushIsOneBesideALateReference) {
   EXPECT_EQ(claims(d), "off_axis ");
 }
 
+// Sensor and reference feel it alike.
+TEST(RigChannel, AWheelThatIsNotRoundIsMissingFromTheRigsLawThoughNoEffectIs) {
+  Bench bench;
+  bench.rim_N = [](double th) { return 0.03 * std::cos(5.0 * th + 1.0); };
+  const Diagnosis d = diagnose(bench);
+  EXPECT_EQ(claims(d), "");
+  EXPECT_EQ(d.verdict, DiagnosisVerdict::unknown);
+  ASSERT_FALSE(d.depends_on.empty());
+  EXPECT_EQ(d.depends_on.front(), "angle");
+  ASSERT_FALSE(d.follows.empty());
+  EXPECT_NE(d.follows.front().find("departs from the rig's law by 1"), std::string::npos) << d.follows.front();
+  bench.rim_N = [](double th) { return 0.004 * std::cos(5.0 * th + 1.0); };
+  EXPECT_EQ(diagnose(bench).verdict, DiagnosisVerdict::none) << "no wheel is round to a thousandth of the span";
+}
+
 TEST(RigChannel, AZeroErrorOfTheAngleIsNoFinding) {
   Bench bench;
   bench.slip_rad = [](double) { return 0.02; };

@@ -31,6 +31,7 @@ struct Bench {
   bool angle = true;                                                    // recorded
   std::function<double(double)> machine_N = [](double) { return 0.0; };  // added to a commanded force
   double friction_N = 0.0, elastic_N = 0.05;  // of the guide: it reaches its size within some newtons of movement, and stays over rests
+  std::function<double(double)> rim_N = [](double) { return 0.0; };     // of a wheel that is not round, by its angle
   std::function<double(double)> slip_rad = [](double) { return 0.0; };  // of the angle against its command
   double gear_rad = 0.0;  // half the play between the motor, whose angle is recorded, and the wheel
   double drive_late_s = 0.0;  // behind its command
@@ -72,7 +73,7 @@ inline Campaign turning(const Bench& bench) {
       const double th = wanted + bench.slip_rad(wanted);
       wheel = std::clamp(wheel, th - bench.gear_rad, th + bench.gear_rad);
       const double spring_N = k * (p + e * (1.0 - std::cos(wheel)));
-      double F = std::max(0.0, spring_N - bench.lift_N + bench.machine_N(asked_N) + bench.seat_N(n) + bench.bounce_N(n, t));
+      double F = std::max(0.0, spring_N - bench.lift_N + bench.machine_N(asked_N) + bench.seat_N(n) + bench.bounce_N(n, t) + bench.rim_N(wheel));
       drag = std::clamp(drag + (spring_N - dragged_N) / bench.elastic_N, -1.0, 1.0);
       dragged_N = spring_N;
       F += bench.friction_N * drag;
