@@ -14,8 +14,7 @@ struct EvidenceAxes {
 /// Fills `series` of the claims that were chosen in this channel. Each is of the record whose error falls most by the claim, of those that
 /// cover the axis: one that is held out where a tenth of its mean square goes, else one of the three others that gain most, left out of both
 /// fits. What acts from record to record shows in the mean of every record, each left out in turn; in that of every eighth of a record where its
-/// cause runs on within them. A recording that is judged as a whole has
-/// no part that could be left out: it is fitted as a whole.
+/// cause runs on within them. A recording that is judged as a whole has no part that could be left out: it is fitted as a whole.
 void add_claim_evidence(const Workspace& workspace, const ResidualChannel& channel, const Selection& selection, const EvidenceAxes& axes,
                         std::vector<Finding>& findings);
 

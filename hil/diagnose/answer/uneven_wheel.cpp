@@ -33,7 +33,7 @@ ByAngle by_angle(const RecordInput& r, const std::vector<std::size_t>& rows, con
   return out;
 }
 
-bool goes_round(const ByAngle& record) { return 2 * std::ranges::count_if(record.n, [](double n) { return n >= kFewestRows; }) >= static_cast<std::ptrdiff_t>(kAngles); }
+bool comes_by_half(const ByAngle& record) { return 2 * std::ranges::count_if(record.n, [](double n) { return n >= kFewestRows; }) >= static_cast<std::ptrdiff_t>(kAngles); }
 
 struct Foretold {
   double before = 0.0, after = 0.0, common = 0.0;  // mean squares, N^2
@@ -57,10 +57,10 @@ Foretold foretell(const ByAngle& record, const ByAngle& all, const std::vector<d
 
 }  // namespace
 
-std::optional<UnevenWheel> uneven_wheel(const Workspace& w, const Selection& rig) {
+std::optional<std::string> uneven_wheel(const Workspace& w, const Selection& rig) {
   constexpr std::size_t kFewestRecords = 3;
   constexpr double kTakes = 1.0 / 3.0, kLeast = 0.003;  // of the mean square; of the force range, RMS
-  if (!w.has_rig || !rig.final.valid) return std::nullopt;
+  if (!rig.final.valid) return std::nullopt;
   const std::vector<std::vector<double>> left_N = residual_rows(w.rig, rig.final);
   std::vector<ByAngle> records;
   std::vector<const std::vector<double>*> left_of;
@@ -69,7 +69,7 @@ std::optional<UnevenWheel> uneven_wheel(const Workspace& w, const Selection& rig
     const RecordInput& r = w.input.records[w.rig.record_of[k]];
     if (r.cos_theta.empty() || left_N[k].empty()) continue;
     ByAngle record = by_angle(r, w.rig.rows[k].row, left_N[k]);
-    if (!goes_round(record)) continue;
+    if (!comes_by_half(record)) continue;
     for (std::size_t a = 0; a < kAngles; ++a) all.n[a] += record.n[a], all.sum[a] += record.sum[a];
     records.push_back(std::move(record));
     left_of.push_back(&left_N[k]);
@@ -84,12 +84,9 @@ std::optional<UnevenWheel> uneven_wheel(const Workspace& w, const Selection& rig
     of_all.common += one.common;
   }
   if (helped < kFewestRecords || 3 * helped < 2 * records.size() || of_all.after > (1.0 - kTakes) * of_all.before) return std::nullopt;
-  UnevenWheel out;
-  out.rms_N = std::sqrt(of_all.common / static_cast<double>(records.size()));
-  out.share = 1.0 - of_all.after / of_all.before;
-  if (out.rms_N < kLeast * w.input.range_N) return std::nullopt;
-  out.follows = "the angle of the wheel, at which the force departs from the rig's law by " + plain_number(1e3 * out.rms_N) + " mN";
-  return out;
+  const double rms_N = std::sqrt(of_all.common / static_cast<double>(records.size()));
+  if (rms_N < kLeast * w.input.range_N) return std::nullopt;
+  return "the angle of the wheel, at which the force departs from the rig's law by " + plain_number(1e3 * rms_N) + " mN";
 }
 
 }  // namespace forcegate::diagnose

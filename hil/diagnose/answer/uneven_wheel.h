@@ -9,14 +9,9 @@
 
 namespace forcegate::diagnose {
 
-struct UnevenWheel {
-  double rms_N = 0.0;   ///< of the departure that the records have in common
-  double share = 0.0;   ///< of what the rig's law leaves of them, mean square, each foretold from the others
-  std::string follows;  ///< "the angle of the wheel, at which the force departs from the rig's law by 20 mN"
-};
-
-/// What nothing that was found in `rig` explains: the mean departure over 36 angles of all other records takes a third and more off what is left of
-/// two records in three that go round half a turn, three at least, and is 0.3 % of the force range.
-std::optional<UnevenWheel> uneven_wheel(const Workspace& workspace, const Selection& rig);
+/// "the angle of the wheel, at which the force departs from the rig's law by 20 mN", where nothing that was found in `rig` explains it: the mean
+/// departure over 36 angles of all other records takes a third and more off what is left of two records in three that come by half of these, three
+/// at least, and is 0.3 % of the force range (RMS).
+std::optional<std::string> uneven_wheel(const Workspace& workspace, const Selection& rig);
 
 }  // namespace forcegate::diagnose

@@ -149,7 +149,7 @@ Unexpected not_listed(const Workspace& w, const EffectKind& kind) {
   if (!is_available(kind, w.input))
     for (const Need need : kind.needs) needs.push_back(told(need));
   if (!needs.empty()) return fail(ErrorCode::config, text + ": it needs " + join(needs, " and "), w.input.name, "record it too, or map its column with --map");
-  return fail(ErrorCode::config, text + ": nothing of what it follows was recorded", w.input.name, kind.separates);
+  return fail(ErrorCode::config, text + ": what it follows was not recorded, or is a function of the force in every record", w.input.name, kind.separates);
 }
 
 }  // namespace
