@@ -236,6 +236,7 @@ struct Diagnosis {
   std::vector<RecordError> records;
   std::vector<ResidualMap> maps;  ///< residual of the base model, largest share first
   std::vector<ResidualMap> maps_after;
+  std::vector<ResidualMap> rig_maps;  ///< F_ref less the rig's law, N: where it depends on what no claim explains
   std::vector<RankedEffect> ranking;
   std::vector<EvidenceSeries> overlays;  ///< measured and modelled U of every record, thinned
   Repeatability repeatability;

@@ -149,13 +149,14 @@ void tell_moving_zero(const Workspace& w, const MixedFit& fit, Diagnosis& out) {
 // A fault of the wheel's form moves sensor and reference alike: the rig's law alone shows it.
 void tell_uneven_wheel(const Workspace& w, const Selection& rig, Diagnosis& out) {
   if (std::ranges::any_of(out.findings, [](const Finding& f) { return f.claimed() && f.shown_in == ShownIn::rig; })) return;
-  std::optional<std::string> follows = uneven_wheel(w, rig);
-  if (!follows) return;
+  std::optional<UnevenWheel> wheel = uneven_wheel(w, rig);
+  if (!wheel) return;
   if (out.verdict == DiagnosisVerdict::known) out.residual_unknown = true;
   else out.verdict = DiagnosisVerdict::unknown;
   std::erase(out.depends_on, "angle");
   out.depends_on.insert(out.depends_on.begin(), "angle");
-  out.follows.insert(out.follows.begin(), std::move(*follows));
+  out.follows.insert(out.follows.begin(), std::move(wheel->follows));
+  out.rig_maps.push_back(std::move(wheel->map));
 }
 
 // The model's own effects are no candidates, nor are their other forms: where its forms leave far more than the instruments may and others of the

@@ -271,9 +271,8 @@ Figure residual_map_figure(const Diagnosis& d, bool after) {
   return figure;
 }
 
-Figure coordinate_figure(const ResidualMap& before, const ResidualMap* after,
-                         const std::string& residual_unit) {
-  Figure figure("Residual against " + before.coordinate, 380.0);
+Figure coordinate_figure(const ResidualMap& before, const ResidualMap* after, const std::string& residual_unit, const std::string& residual) {
+  Figure figure(residual + " against " + before.coordinate, 380.0);
   double most = 0.0;
   for (const MapCell& c : before.cells)
     if (c.blocks >= kBlocksNeeded) most = std::max({most, std::abs(c.mean), 2.0 * c.standard_error});
@@ -284,7 +283,7 @@ Figure coordinate_figure(const ResidualMap& before, const ResidualMap* after,
     x_axis = {"1 s + " + before.coordinate, "s", kAuto, kAuto, Scale::logarithmic};
   else
     spread_crowded(before.cells, x_axis);
-  Panel& panel = figure.panel(x_axis, {"Residual", scale.unit}, 150.0);
+  Panel& panel = figure.panel(x_axis, {residual, scale.unit}, 150.0);
   panel.hline(0.0);
   const auto add = [&](const ResidualMap& map, Style style, const std::string& label) {
     std::vector<double> x, y, U, thin_x, thin_y;
@@ -305,6 +304,8 @@ Figure coordinate_figure(const ResidualMap& before, const ResidualMap* after,
   if (panel.x_axis.scale == Scale::symmetric_log) figure.summary += (figure.summary.empty() ? "" : ". ") + std::string("The axis is straight about zero and logarithmic beyond.");
   return figure;
 }
+
+Figure rig_coordinate_figure(const ResidualMap& map) { return coordinate_figure(map, nullptr, "N", "F_ref less the rig's law"); }
 
 Figure evidence_figure(const EvidenceSeries& s) {
   Figure figure(s.title + (s.record.empty() ? "" : ", record " + s.record), 760.0);

@@ -41,8 +41,11 @@ figures::Figure residual_map_figure(const Diagnosis& diagnosis, bool after);
 
 /// Cell means with U (k = 2) against one coordinate, before and, where there is one, after. Logarithmic, or logarithmic beyond a linear
 /// middle, where many cells of few units stand beside few of many.
-figures::Figure coordinate_figure(const ResidualMap& before, const ResidualMap* after,
-                                  const std::string& residual_unit);
+figures::Figure coordinate_figure(const ResidualMap& before, const ResidualMap* after, const std::string& residual_unit,
+                                  const std::string& residual = "Residual");
+
+/// F_ref less the rig's law against one coordinate.
+figures::Figure rig_coordinate_figure(const ResidualMap& map);
 
 /// Residual without and with the effect, side by side on one scale.
 figures::Figure evidence_figure(const EvidenceSeries& series);

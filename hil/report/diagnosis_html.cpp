@@ -168,6 +168,7 @@ std::string missing(const Diagnosis& d, const RecordPictures& pictures) {
 }
 
 std::string where(const Diagnosis& d) {
+  constexpr std::string_view kWhiskers = "Whiskers are U, k = 2.";
   if (d.maps.empty()) return {};
   std::string out = "<section id=\"where\"><h2>Where it fails</h2>\n";
   if (shows_rig(d)) out += "<p>The output at the recorded force, whatever the rig did.</p>\n";
@@ -191,9 +192,12 @@ std::string where(const Diagnosis& d) {
     const auto after = std::find_if(d.maps_after.begin(), d.maps_after.end(),
                                     [&](const ResidualMap& a) { return a.coordinate == m.coordinate; });
     out += picture(coordinate_figure(m, !changed || after == d.maps_after.end() ? nullptr : &*after, d.unit),
-                   "Whiskers are U, k = 2.");
+                   kWhiskers);
   }
-  return out + "</div></section>\n";
+  out += "</div>\n";
+  if (!d.rig_maps.empty()) out += "<h3>What the output cannot show</h3>\n<p>Sensor and reference feel this alike: only the rig's own law shows it.</p>\n<div class=\"figs\">";
+  for (const ResidualMap& m : d.rig_maps) out += picture(rig_coordinate_figure(m), kWhiskers);
+  return out + (d.rig_maps.empty() ? "" : "</div>\n") + "</section>\n";
 }
 
 // What the residual looks like along time and over the records; a line where the records cannot show it.

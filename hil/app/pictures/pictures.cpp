@@ -21,6 +21,7 @@ Result<std::vector<std::filesystem::path>> write_pictures(const Diagnosis& d, co
   if (!d.records.empty()) FORCEGATE_CHECK_OK(put("records", record_error_figure(d)));
   if (!d.maps.empty()) FORCEGATE_CHECK_OK(put("map_before", residual_map_figure(d, false)));
   if (has_after(d)) FORCEGATE_CHECK_OK(put("map_after", residual_map_figure(d, true)));
+  for (const ResidualMap& m : d.rig_maps) FORCEGATE_CHECK_OK(put("rig_" + m.coordinate, rig_coordinate_figure(m)));
   for (const Finding& f : d.findings) {
     if (!f.claimed()) continue;
     int number = 0;

@@ -1,209 +1,161 @@
 #include "hil/diagnose/answer/residual_map.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <cstdio>
+#include <numbers>
+
+#include <fmt/format.h>
 
 #include "hil/base/parallel.h"
 #include "hil/base/plain_number.h"
-#include "hil/diagnose/answer/force_turns.h"
-#include "hil/model/rows.h"
+#include "hil/diagnose/answer/residual_coordinates.h"
 
 namespace forcegate::diagnose {
 
 namespace {
 
-struct Turn {
-  double force_N, time_s;
-};
+constexpr std::size_t kCells = 16, kCellsOfTurn = 36;
+constexpr std::size_t kBlocks = 12;  // of a record
+constexpr std::size_t kFewestRows = 200;
 
-// Of every row: the last turning point before it, with a prominence of 5 % of the span.
-std::vector<Turn> last_turns(const RecordInput& r, double prominence) {
-  std::vector<Turn> out;
-  out.reserve(r.rows());
-  Turn last{r.F_N[0], r.t_s[0]};
-  for (const ForceTurn& turn : force_turns(r.F_N, prominence)) {
-    out.resize(turn.seen_at, last);
-    last = {r.F_N[turn.row], r.t_s[turn.row]};
-  }
-  out.resize(r.rows(), last);
-  return out;
-}
+using PerRow = std::vector<std::vector<double>>;  // per record
 
-struct Row {
-  const RecordInput& record;
-  std::size_t i;
-  Turn turn;
-};
-
-struct Coordinate {
-  const char* name;
-  const char* group;
-  const char* unit;
-  double (*of)(const Row&);  ///< NaN where it does not apply
-};
-
-std::vector<Coordinate> coordinates(const Workspace& w) {
-  constexpr double kTurn_rad = 6.283185307179586;
-  std::vector<Coordinate> out = {
-      {"force", "force", "N", [](const Row& r) { return r.record.F_N[r.i]; }},
-      {"force while loading", "history", "N",
-       [](const Row& r) { return r.record.rate_N_per_s[r.i] > 0.0 ? r.record.F_N[r.i] : kMissing; }},
-      {"force while unloading", "history", "N",
-       [](const Row& r) { return r.record.rate_N_per_s[r.i] < 0.0 ? r.record.F_N[r.i] : kMissing; }},
-      {"rate", "rate", "N/s", [](const Row& r) { return r.record.rate_N_per_s[r.i]; }},
-      {"size of the rate", "rate", "N/s", [](const Row& r) { return std::abs(r.record.rate_N_per_s[r.i]); }},
-      {"last turning point", "history", "N", [](const Row& r) { return r.turn.force_N; }},
-      {"time since the last turn", "history", kLogOfTime,
-       [](const Row& r) { return std::log10(1.0 + r.record.t_s[r.i] - r.turn.time_s); }},
-      {"time in the record", "time", "s", [](const Row& r) { return r.record.t_s[r.i]; }},
-      {"campaign time", "time", "s", [](const Row& r) { return r.record.start_s + r.record.t_s[r.i]; }},
-      {"load done", "history", "N",
-       [](const Row& r) { return r.record.travel_before_N + r.record.travel_N[r.i]; }},
-      {"output", "force", w.output.unit.c_str(), [](const Row& r) { return r.record.U_V[r.i]; }},
-      {"cycle frequency", "frequency", "Hz",
-       [](const Row& r) { return r.record.dynamic ? r.record.f_Hz : kMissing; }}};
-  if (w.input.has_temp)
-    out.push_back({"temperature", "temperature", "degC",
-                   [](const Row& r) { return r.record.temp_C.empty() ? kMissing : r.record.temp_C[r.i]; }});
-  if (w.input.has_theta)
-    out.push_back({"angle", "angle", "rad", [](const Row& r) {
-                     return r.record.theta_rad.empty() ? kMissing
-                                                       : std::remainder(r.record.theta_rad[r.i], kTurn_rad);
-                   }});
-  if (w.input.has_drive)
-    out.push_back({"drive", "drive", "V", [](const Row& r) { return r.record.drive_mean_V; }});
-  return out;
-}
-
-constexpr int kCells = 16;
-constexpr std::size_t kBlocks = 12;
-
-// `value`: of the coordinate, per record and chosen row.
-ResidualMap map_of(const Coordinate& c, const std::vector<std::vector<double>>& value,
-                   const std::vector<std::vector<double>>& residual, const std::string& unit) {
-  ResidualMap map;
-  map.coordinate = c.name;
-  map.group = c.group;
-  map.unit = c.unit;
-  std::vector<double> all;
-  for (const auto& v : value)
-    for (double x : v)
-      if (std::isfinite(x)) all.push_back(x);
-  if (all.size() < 200) return map;
-  std::vector<double> edge;
-  auto rest = all.begin();
-  for (int k = 1; k < kCells; ++k) {
-    const auto at =
-        all.begin() + static_cast<std::ptrdiff_t>(all.size() * static_cast<std::size_t>(k) / kCells);
-    std::nth_element(rest, at, all.end());
+// Between cells of as many rows each; values that many rows share stay in one cell.
+std::vector<double> quantile_edges(std::vector<double> values) {
+  std::vector<double> out;
+  auto rest = values.begin();
+  for (std::size_t k = 1; k < kCells; ++k) {
+    const auto at = values.begin() + static_cast<std::ptrdiff_t>(values.size() * k / kCells);
+    std::nth_element(rest, at, values.end());
     rest = at;
-    if (edge.empty() || *at > edge.back()) edge.push_back(*at);
+    if (out.empty() || *at > out.back()) out.push_back(*at);
   }
-  const std::size_t n_cells = edge.size() + 1;
-  const auto cell_of = [&](double x) {
-    return static_cast<std::size_t>(std::upper_bound(edge.begin(), edge.end(), x) - edge.begin());
-  };
-  // sums per block of rows and cell; a block is predicted by all blocks of other records, or by the other blocks
-  // of its own record where there is only one
-  struct Sum {
-    double n = 0.0, e = 0.0, x = 0.0;
-  };
-  const std::size_t n_records = residual.size();
-  std::vector<std::vector<std::vector<Sum>>> sum(
-      n_records, std::vector<std::vector<Sum>>(kBlocks, std::vector<Sum>(n_cells)));
-  std::vector<Sum> total(n_cells);
-  double square = 0.0;
-  for (std::size_t k = 0; k < n_records; ++k)
+  return out;
+}
+
+// A wheel rests at few angles and passes the others: by rows these would be in few cells.
+std::vector<double> edges_of_turn(std::vector<double>) {
+  std::vector<double> out;
+  for (std::size_t k = 1; k < kCellsOfTurn; ++k) out.push_back(std::numbers::pi * (2.0 * static_cast<double>(k) / kCellsOfTurn - 1.0));
+  return out;
+}
+
+struct Sum {
+  double n = 0.0, e = 0.0, x = 0.0;
+
+  void add(double residual, double value) { n += 1.0, e += residual, x += value; }
+};
+
+// Sums per cell, in all and in every block of every record.
+struct CellSums {
+  std::vector<Sum> total;
+  std::vector<std::array<std::vector<Sum>, kBlocks>> block;
+  double square = 0.0;  // of all rows, with those where the coordinate does not apply
+};
+
+CellSums cell_sums(const PerRow& value, const PerRow& residual, const std::vector<double>& edges) {
+  CellSums out;
+  out.total.resize(edges.size() + 1);
+  out.block.resize(residual.size());
+  for (std::size_t k = 0; k < residual.size(); ++k) {
+    out.block[k].fill(std::vector<Sum>(out.total.size()));
     for (std::size_t j = 0; j < residual[k].size(); ++j) {
-      const double e = residual[k][j];
-      square += e * e;
-      if (!std::isfinite(value[k][j])) continue;
-      const std::size_t cell = cell_of(value[k][j]);
-      Sum& s = sum[k][j * kBlocks / residual[k].size()][cell];
-      s.n += 1.0;
-      s.e += e;
-      s.x += value[k][j];
-      total[cell].n += 1.0;
-      total[cell].e += e;
-      total[cell].x += value[k][j];
-    }
-  const bool own_record = std::string(c.group) == "time" || n_records < 3;
-  double gained = 0.0;
-  for (std::size_t k = 0; k < n_records; ++k)
-    for (std::size_t b = 0; b < kBlocks; ++b)
-      for (std::size_t cell = 0; cell < n_cells; ++cell) {
-        const Sum& here = sum[k][b][cell];
-        if (here.n == 0.0) continue;
-        Sum other = total[cell];
-        for (std::size_t q = 0; q < kBlocks; ++q)
-          if (!own_record || q == b) {
-            other.n -= sum[k][q][cell].n;
-            other.e -= sum[k][q][cell].e;
-          }
-        if (other.n < 20.0) continue;
-        const double prediction = other.e / (other.n + 20.0);
-        gained += 2.0 * prediction * here.e - prediction * prediction * here.n;
-      }
-  map.share = square > 0.0 ? gained / square : 0.0;
-  double largest = 0.0;
-  for (std::size_t cell = 0; cell < n_cells; ++cell) {
-    MapCell out;
-    out.n = static_cast<int>(total[cell].n);
-    if (out.n > 0) {
-      out.x = total[cell].x / total[cell].n;
-      out.mean = total[cell].e / total[cell].n;
-      double spread = 0.0;
-      for (std::size_t k = 0; k < n_records; ++k)
-        for (std::size_t b = 0; b < kBlocks; ++b) {
-          const Sum& s = sum[k][b][cell];
-          if (s.n == 0.0) continue;
-          ++out.blocks;
-          const double d = s.e - out.mean * s.n;
-          spread += d * d;
-        }
-      out.standard_error = std::sqrt(spread) / total[cell].n;
-    }
-    map.cells.push_back(out);
-    if (out.blocks >= 3 && std::abs(out.mean) > std::abs(largest) &&
-        std::abs(out.mean) > 2.0 * out.standard_error) {
-      largest = out.mean;
-      char text[160];
-      const PrintedUnit printed = printed_unit(unit);
-      const bool logarithm = map.unit == kLogOfTime;
-      std::snprintf(text, sizeof text, "%+.3g %s where %s is about %.3g %s", out.mean * printed.factor,
-                    printed.name.c_str(), c.name, logarithm ? seconds_of_log(out.x) : out.x, logarithm ? "s" : c.unit);
-      map.sentence = text;
+      const double e = residual[k][j], x = value[k][j];
+      out.square += e * e;
+      if (!std::isfinite(x)) continue;
+      const auto cell = static_cast<std::size_t>(std::ranges::upper_bound(edges, x) - edges.begin());
+      out.block[k][j * kBlocks / residual[k].size()][cell].add(e, x);
+      out.total[cell].add(e, x);
     }
   }
-  if (map.sentence.empty()) map.sentence = std::string("no cell of ") + c.name + " stands out of its scatter";
+  return out;
+}
+
+// A block is foretold by all other records or, where `by_own_record`, by all other blocks; means of few rows are drawn to 0.
+double foretold_share(const CellSums& sums, bool by_own_record) {
+  constexpr double kFewest = 20.0;
+  double gained = 0.0;
+  for (const auto& record : sums.block)
+    for (std::size_t b = 0; b < kBlocks; ++b)
+      for (std::size_t cell = 0; cell < sums.total.size(); ++cell) {
+        const Sum& here = record[b][cell];
+        if (here.n == 0.0) continue;
+        Sum other = sums.total[cell];
+        for (std::size_t q = 0; q < kBlocks; ++q)
+          if (!by_own_record || q == b) other.n -= record[q][cell].n, other.e -= record[q][cell].e;
+        if (other.n < kFewest) continue;
+        const double foretold = other.e / (other.n + kFewest);
+        gained += 2.0 * foretold * here.e - foretold * foretold * here.n;
+      }
+  return sums.square > 0.0 ? gained / sums.square : 0.0;
+}
+
+MapCell map_cell(const CellSums& sums, std::size_t cell) {
+  const Sum& total = sums.total[cell];
+  MapCell out{.n = static_cast<int>(total.n)};
+  if (out.n == 0) return out;
+  out.x = total.x / total.n;
+  out.mean = total.e / total.n;
+  double spread = 0.0;
+  for (const auto& record : sums.block)
+    for (const std::vector<Sum>& block : record) {
+      const Sum& s = block[cell];
+      if (s.n == 0.0) continue;
+      ++out.blocks;
+      const double d = s.e - out.mean * s.n;
+      spread += d * d;
+    }
+  out.standard_error = std::sqrt(spread) / total.n;
+  return out;
+}
+
+std::string sentence_of(const ResidualMap& map, const std::string& unit) {
+  constexpr int kFewestBlocks = 3;
+  const MapCell* largest = nullptr;
+  for (const MapCell& c : map.cells)
+    if (c.blocks >= kFewestBlocks && std::abs(c.mean) > 2.0 * c.standard_error && (largest == nullptr || std::abs(c.mean) > std::abs(largest->mean))) largest = &c;
+  if (largest == nullptr) return "no cell of " + map.coordinate + " stands out of its scatter";
+  const PrintedUnit printed = printed_unit(unit);
+  const bool logarithm = map.unit == kLogOfTime;
+  return fmt::format("{:+.3g} {} where {} is about {:.3g} {}", largest->mean * printed.factor, printed.name, map.coordinate,
+                     logarithm ? seconds_of_log(largest->x) : largest->x, logarithm ? "s" : map.unit);
+}
+
+// `edges`: of the cells, made of the finite values.
+ResidualMap map_of(const ResidualCoordinate& c, const std::vector<std::vector<MappedRow>>& rows, const PerRow& residual, const std::string& unit,
+                   std::vector<double> (*edges)(std::vector<double>)) {
+  ResidualMap map{.coordinate = c.name, .group = c.group, .unit = c.unit, .cells = {}, .sentence = {}};
+  PerRow value(rows.size());
+  std::vector<double> all;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    value[k].reserve(rows[k].size());
+    for (const MappedRow& row : rows[k])
+      if (const double x = value[k].emplace_back(c.of(row)); std::isfinite(x)) all.push_back(x);
+  }
+  if (all.size() < kFewestRows) return map;
+  const CellSums sums = cell_sums(value, residual, edges(std::move(all)));
+  constexpr std::size_t kFewestRecords = 3;
+  map.share = foretold_share(sums, map.group == "time" || residual.size() < kFewestRecords);
+  for (std::size_t cell = 0; cell < sums.total.size(); ++cell) map.cells.push_back(map_cell(sums, cell));
+  map.sentence = sentence_of(map, unit);
   return map;
 }
 
 }  // namespace
 
-std::vector<ResidualMap> residual_maps(const Workspace& w, const std::vector<std::vector<double>>& residual, unsigned threads) {
-  const ResidualChannel& channel = w.output;
-  const std::size_t n = channel.record_of.size();
-  std::vector<std::vector<Turn>> turns(n);
-  parallel_for(n, threads, [&](std::size_t k) {
-    turns[k] = last_turns(w.input.records[channel.record_of[k]], 0.05 * w.input.range_N);
-  });
-  const std::vector<Coordinate> all = coordinates(w);
+std::vector<ResidualMap> residual_maps(const Workspace& w, const PerRow& residual, unsigned threads) {
+  const std::vector<std::vector<MappedRow>> rows = mapped_rows(w, w.output, threads);
+  const std::vector<ResidualCoordinate> all = residual_coordinates(w);
   std::vector<ResidualMap> out(all.size());
-  parallel_for(all.size(), threads, [&](std::size_t c) {
-    std::vector<std::vector<double>> value(n);
-    for (std::size_t k = 0; k < n; ++k) {
-      value[k].reserve(channel.rows[k].row.size());
-      for (const std::size_t i : channel.rows[k].row)
-        value[k].push_back(all[c].of({w.input.records[channel.record_of[k]], i, turns[k][i]}));
-    }
-    out[c] = map_of(all[c], value, residual, channel.unit);
-  });
+  parallel_for(all.size(), threads, [&](std::size_t c) { out[c] = map_of(all[c], rows, residual, w.output.unit, quantile_edges); });
   std::erase_if(out, [](const ResidualMap& map) { return map.cells.empty(); });
-  std::stable_sort(out.begin(), out.end(),
-                   [](const ResidualMap& a, const ResidualMap& b) { return a.share > b.share; });
+  std::ranges::stable_sort(out, std::ranges::greater{}, &ResidualMap::share);
   return out;
+}
+
+ResidualMap rig_map_of_angle(const Workspace& w, const PerRow& residual_N) {
+  return map_of(wheel_angle(), mapped_rows(w, w.rig, 1), residual_N, "N", edges_of_turn);
 }
 
 double autocorrelated_share(const std::vector<std::vector<double>>& residual, std::size_t block) {

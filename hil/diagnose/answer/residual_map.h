@@ -1,5 +1,5 @@
 #pragma once
-// Where the residual sits: cell means against some twelve coordinates, ranked by the share of its variance that the
+// Where a residual sits: cell means against some twelve coordinates, ranked by the share of its variance that the
 // cells predict on rows they were not made from.
 
 #include <vector>
@@ -12,6 +12,9 @@ namespace forcegate::diagnose {
 
 /// Maps of the output's residual, largest share first.
 std::vector<ResidualMap> residual_maps(const Workspace& workspace, const std::vector<std::vector<double>>& residual, unsigned threads = 1);
+
+/// Map of the rig's residual in newtons against the angle, in 36 cells. Only where an angle was recorded.
+ResidualMap rig_map_of_angle(const Workspace& workspace, const std::vector<std::vector<double>>& residual_N);
 
 /// Share of the residual's variance that is carried by something smoother than `block` rows: structure, not noise.
 double autocorrelated_share(const std::vector<std::vector<double>>& residual, std::size_t block);

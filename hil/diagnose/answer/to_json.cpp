@@ -156,6 +156,7 @@ std::string to_json(const Diagnosis& d) {
   out["far_above"] = list_json(d.far_above, far_above_json);
   out["ranking"] = list_json(d.ranking, ranked_json);
   out["maps"] = list_json(d.maps, map_json);
+  out["rig_maps"] = list_json(d.rig_maps, map_json);
   out["repeatability"] = repeatability_json(d.repeatability);
   out["not_separable"] = d.not_separable;
   out["expected_false"] = number(d.expected_false);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "hil/base/plain_number.h"
+#include "hil/diagnose/answer/residual_map.h"
 #include "hil/diagnose/base/judge.h"
 
 namespace forcegate::diagnose {
@@ -57,7 +58,7 @@ Foretold foretell(const ByAngle& record, const ByAngle& all, const std::vector<d
 
 }  // namespace
 
-std::optional<std::string> uneven_wheel(const Workspace& w, const Selection& rig) {
+std::optional<UnevenWheel> uneven_wheel(const Workspace& w, const Selection& rig) {
   constexpr std::size_t kFewestRecords = 3;
   constexpr double kTakes = 1.0 / 3.0, kLeast = 0.003;  // of the mean square; of the force range, RMS
   if (!rig.final.valid) return std::nullopt;
@@ -86,7 +87,7 @@ std::optional<std::string> uneven_wheel(const Workspace& w, const Selection& rig
   if (helped < kFewestRecords || 3 * helped < 2 * records.size() || of_all.after > (1.0 - kTakes) * of_all.before) return std::nullopt;
   const double rms_N = std::sqrt(of_all.common / static_cast<double>(records.size()));
   if (rms_N < kLeast * w.input.range_N) return std::nullopt;
-  return "the angle of the wheel, at which the force departs from the rig's law by " + plain_number(1e3 * rms_N) + " mN";
+  return UnevenWheel{"the angle of the wheel, at which the force departs from the rig's law by " + plain_number(1e3 * rms_N) + " mN", rig_map_of_angle(w, left_N)};
 }
 
 }  // namespace forcegate::diagnose

@@ -261,8 +261,17 @@ TEST(RigChannel, AWheelThatIsNotRoundIsMissingFromTheRigsLawThoughNoEffectIs) {
   EXPECT_EQ(d.depends_on.front(), "angle");
   ASSERT_FALSE(d.follows.empty());
   EXPECT_NE(d.follows.front().find("departs from the rig's law by 1"), std::string::npos) << d.follows.front();
+  ASSERT_EQ(d.rig_maps.size(), 1u);
+  EXPECT_EQ(d.rig_maps.front().coordinate, "angle");
+  ASSERT_EQ(d.rig_maps.front().cells.size(), 36u);
+  for (const MapCell& c : d.rig_maps.front().cells)
+    if (c.blocks >= 3) {
+      EXPECT_NEAR(c.mean, bench.rim_N(c.x), 0.015) << c.x;
+    }
   bench.rim_N = [](double th) { return 0.004 * std::cos(5.0 * th + 1.0); };
-  EXPECT_EQ(diagnose(bench).verdict, DiagnosisVerdict::none) << "no wheel is round to a thousandth of the span";
+  const Diagnosis round = diagnose(bench);
+  EXPECT_TRUE(round.rig_maps.empty());
+  EXPECT_EQ(round.verdict, DiagnosisVerdict::none) << "no wheel is round to a thousandth of the span";
 }
 
 TEST(RigChannel, AZeroErrorOfTheAngleIsNoFinding) {

@@ -161,5 +161,13 @@ TEST(ResidualMap, has_sizes_on_its_colour_bar_and_no_colour_where_it_says_nothin
   EXPECT_EQ(svg(), before);
 }
 
+TEST(DiagnosisHtml, draws_what_only_the_rigs_law_shows) {
+  Diagnosis d;
+  d.maps.push_back({.coordinate = "force", .group = "force", .unit = "N", .share = 0.1, .cells = {}, .sentence = ""});
+  EXPECT_THAT(diagnosis_html(d, {}), Not(HasSubstr("What the output cannot show")));
+  d.rig_maps.push_back({.coordinate = "angle", .group = "angle", .unit = "rad", .cells = {{-1.0, 0.02, 0.001, 90, 12}, {1.0, -0.02, 0.001, 90, 12}}, .sentence = "+20 mN where angle is about -1 rad"});
+  EXPECT_THAT(diagnosis_html(d, {}), testing::AllOf(HasSubstr("What the output cannot show"), HasSubstr("F_ref less the rig&#39;s law against angle"), HasSubstr("+20 mN where angle is about")));
+}
+
 }  // namespace
 }  // namespace forcegate
