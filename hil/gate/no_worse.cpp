@@ -167,7 +167,7 @@ std::vector<JudgedCheck> judge_no_worse(const Plan& plan, std::span<const ErrorI
     c.id = fmt::format("no_worse_{}/{}", which, key.first);
     c.title = fmt::format("Increase of the mean relative error of the {} against the accepted build", which);
     c.value = sum / n;  // NaN when any pair is missing
-    c.unit = "%";
+    c.unit = std::string("%");
     c.n = group.size();
     j.repeatable = true;
     c.u = std::sqrt(squares) / n;

@@ -55,7 +55,7 @@ JudgedCheck promise(const Plan& plan, const PlanCase& planned, bool maximum,
   c.title = fmt::format("Mean relative error of the {}, ATI against set-point, mean of {} specimens{}", which,
                         specimens.size(),
                         planned.tail_s > 0.0 ? fmt::format(", last {:.0f} s", planned.tail_s) : "");
-  c.unit = "%";
+  c.unit = std::string("%");
   c.limit = {Limit::Kind::upper, maximum ? *planned.maxima_pct : *planned.minima_pct, planned.limit_source};
   c.n = table.records;
   std::vector<double> means;

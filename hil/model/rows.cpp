@@ -152,44 +152,19 @@ void set_full_rate(std::vector<double> t, std::vector<double> F, RecordInput& ou
   out.fast_F_N = std::move(F);
 }
 
-Result<RecordInput> make_rows(const Record& record, std::span<const std::uint8_t> bad, double row_step_s,
-                              bool angle) {
-  const Trace& trace = record.trace;
-  const Channel* F = trace.find("F_ref");
-  const Channel* U = trace.find("U");
-  if (F == nullptr || U == nullptr)
-    return fail(ErrorCode::parse, std::string("the record has no channel ") + (F == nullptr ? "F_ref" : "U"),
-                record.place_of_header(), "name the columns F_ref_N and U_V, or map yours with --map OTHER=F_ref_N");
-  const std::size_t clock = F->time_base;
-  const std::vector<double> t = since_start(trace.time_bases[clock].t_s);
-  if (static_cast<double>(t.size()) < kFewestRows)
-    return fail(ErrorCode::parse, "the record has only " + std::to_string(t.size()) + (t.size() == 1 ? " sample" : " samples"), record.place(),
-                "at least 16 samples are needed");
+Unexpected too_short(const Record& record, std::size_t samples, std::string hint) {
+  return fail(ErrorCode::parse, "the record has only " + std::to_string(samples) + (samples == 1 ? " sample" : " samples"), record.place(), std::move(hint));
+}
 
-  RecordInput out;
-  out.name = record.name;
-  out.kind = record.kind;
-  out.heldout = record.role == RecordRole::heldout;
-  const double step = median_step(t);
-  const double samples = samples_of_row(step, row_step_s), needed = kFewestRows * samples;
-  if (!(static_cast<double>(t.size()) >= needed))
-    return fail(ErrorCode::parse, "the record has only " + std::to_string(t.size()) + (t.size() == 1 ? " sample" : " samples"), record.place(),
-                "at least " + shortest(needed) + " are needed at this rate; leave the record out");
-  out.row_step_s = step * samples;
-  out.row_begin = cut_rows(t, out.row_step_s, static_cast<std::size_t>(samples));
-  const auto n_rows = static_cast<std::uint32_t>(out.row_begin.size() - 1);
-
-  const std::vector<double>& force = F->value;
-  std::vector<double> room;
-  const std::vector<double>& output = on_clock(trace, *U, clock, room);
-  out.clock_start_s = trace.time_bases[clock].t_s.front();
-
+// Means of time, force and output over the rows, and which of them are whole.
+void set_means(const std::vector<double>& t, const std::vector<double>& force, const std::vector<double>& output, std::span<const std::uint8_t> bad, RecordInput& out) {
+  const std::size_t n_rows = out.row_begin.size() - 1;
   out.t_s.resize(n_rows);
   out.U_V.resize(n_rows);
   out.F_N.resize(n_rows);
   out.ok.assign(n_rows, 1);
   double last_F = first_finite(force);
-  for (std::uint32_t r = 0; r < n_rows; ++r) {
+  for (std::size_t r = 0; r < n_rows; ++r) {
     double sum_t = 0.0, sum_F = 0.0, sum_U = 0.0;
     const std::uint32_t begin = out.row_begin[r], end = out.row_begin[r + 1];
     for (std::uint32_t k = begin; k < end; ++k) {
@@ -209,13 +184,17 @@ Result<RecordInput> make_rows(const Record& record, std::span<const std::uint8_t
     if (!std::isfinite(out.U_V[r])) out.U_V[r] = 0.0;
   }
   // a row next to a hole in the clock carries states of unknown age
-  for (std::uint32_t r = 1; r < n_rows; ++r)
+  for (std::size_t r = 1; r < n_rows; ++r)
     if (follows_hole(out, r, 4.0 * out.row_step_s)) out.ok[r] = 0;
+}
 
+// What was recorded beside force and output; empty where it was not.
+void set_further_channels(const Trace& trace, std::size_t clock, const std::vector<double>& t, bool angle, RecordInput& out) {
+  std::vector<double> room;
   const RowMeans mean{out};
   const auto rows_of = [&](const std::vector<double>& values) -> std::vector<double> {
     std::vector<double> rows = mean(values);
-    if (std::none_of(rows.begin(), rows.end(), [](double v) { return std::isfinite(v); })) return {};
+    if (std::ranges::none_of(rows, [](double v) { return std::isfinite(v); })) return {};
     hold(rows, first_finite(rows));
     return rows;
   };
@@ -232,23 +211,52 @@ Result<RecordInput> make_rows(const Record& record, std::span<const std::uint8_t
   out.temp_C = channel("temp");
   out.humidity = channel("humidity");
   for (double& h : out.humidity) h *= 100.0;  // a share in the file; effects and records' own readings are in percent
-  // one reading a record says less than a channel, and all about what happens between records
-  if (out.temp_C.empty() && record.temp_C) out.temp_C.assign(n_rows, *record.temp_C);
-  if (out.humidity.empty() && record.humidity_pct) out.humidity.assign(n_rows, *record.humidity_pct);
   out.C_F = channel("C");
   out.F_cmd_N = channel("F_cmd");
   out.drive_V = channel("drive");
+}
 
-  set_rates(out);
-
-  out.duration_s = t.back();
+// What was written down of the record. One reading of the air says less than a channel, and all about what happens between records.
+void set_declared(const Record& record, RecordInput& out) {
+  if (out.temp_C.empty() && record.temp_C) out.temp_C.assign(out.rows(), *record.temp_C);
+  if (out.humidity.empty() && record.humidity_pct) out.humidity.assign(out.rows(), *record.humidity_pct);
   out.start_s = record.start_s.value_or(kMissing);
   out.rest_before_s = record.rest_before_s.value_or(kMissing);
   out.drive_mean_V = record.drive_V.value_or(out.drive_V.empty() ? kMissing : quantile(out.drive_V, 0.5));
   out.mounting_name = record.mounting;
   out.eccentricity_mm = record.eccentricity_mm.value_or(kMissing);
   out.preload_mm = record.preload_mm.value_or(kMissing);
-  out.decay.assign(n_rows, 1.0);
+}
+
+Result<RecordInput> make_rows(const Record& record, std::span<const std::uint8_t> bad, double row_step_s, bool angle) {
+  const Trace& trace = record.trace;
+  const Channel* F = trace.find("F_ref");
+  const Channel* U = trace.find("U");
+  if (F == nullptr || U == nullptr)
+    return fail(ErrorCode::parse, std::string("the record has no channel ") + (F == nullptr ? "F_ref" : "U"),
+                record.place_of_header(), "name the columns F_ref_N and U_V, or map yours with --map OTHER=F_ref_N");
+  const std::size_t clock = F->time_base;
+  const std::vector<double> t = since_start(trace.time_bases[clock].t_s);
+  if (static_cast<double>(t.size()) < kFewestRows) return too_short(record, t.size(), "at least 16 samples are needed");
+
+  RecordInput out;
+  out.name = record.name;
+  out.kind = record.kind;
+  out.heldout = record.role == RecordRole::heldout;
+  const double step = median_step(t);
+  const double samples = samples_of_row(step, row_step_s), needed = kFewestRows * samples;
+  if (!(static_cast<double>(t.size()) >= needed)) return too_short(record, t.size(), "at least " + shortest(needed) + " are needed at this rate; leave the record out");
+  out.row_step_s = step * samples;
+  out.row_begin = cut_rows(t, out.row_step_s, static_cast<std::size_t>(samples));
+  out.clock_start_s = trace.time_bases[clock].t_s.front();
+  out.duration_s = t.back();
+
+  std::vector<double> room;
+  set_means(t, F->value, on_clock(trace, *U, clock, room), bad, out);
+  set_further_channels(trace, clock, t, angle, out);
+  set_declared(record, out);
+  set_rates(out);
+  out.decay.assign(out.rows(), 1.0);
   return out;
 }
 

@@ -31,11 +31,12 @@ Result<TraceFile> mapped(Result<TraceFile> file, const CsvOptions& options) {
 
 // What a pipe holds is looked at in the bytes that came: they come once.
 Result<TraceFile> read_pipe(const std::filesystem::path& path, const CsvOptions& options) {
-  FORCEGATE_TRY(const std::string bytes, read_file(path));
-  const std::string_view begin(bytes);
+  const Result<std::string> bytes = read_file(path);
+  if (!bytes) return tl::unexpected(bytes.error());
+  const std::string_view begin(*bytes);
   if (begin.starts_with(kHdf5) || begin.starts_with(kMat))
     return fail(ErrorCode::io, "an HDF5 or MAT file cannot be read from a pipe", path.string(), "write it to a file and name that");
-  FORCEGATE_TRY(CsvTable table, parse_csv_table(bytes, path.string()));
+  FORCEGATE_TRY(CsvTable table, parse_csv_table(*bytes, path.string()));
   return trace_of_table(std::move(table), path.string(), path.stem().string(), options);
 }
 

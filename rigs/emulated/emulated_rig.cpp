@@ -51,7 +51,7 @@ RigInfo EmulatedRig::info() const {
   RigInfo info;
   info.name = "emulated";
   info.id = options_.sensor == SensorType::fsr ? "emulated-fsr" : "emulated-flexiforce";
-  info.version = "1";
+  info.version = std::string("1");
   info.rate_Hz = options_.rate_Hz;
   info.adc_bits = options_.adc_bits;
   info.v_range_V = 10.0;

@@ -133,6 +133,91 @@ Result<void> drop_kinds(const fs::path& folder) {
   return write_file_atomically(path, json.dump(1) + "\n");
 }
 
+bool is_replay(const NextRunRequest& request) { return request.bench.rig == "replay"; }
+
+// What a rig or a mystery's bench has to play.
+struct ToPlay {
+  std::vector<ProfileToRecord> on_rig;
+  std::vector<MysterySegment> on_mystery;
+};
+
+// The recording that is most like the segment becomes a record of the campaign; false: none is like it.
+Result<bool> take_recording(const ExperimentSegment& segment, const fs::path& profile, std::vector<Recording>& recordings, NextRunResult& out, SegmentOdds& odds) {
+  constexpr double kAlike = 2.0;
+  const Character wanted = character_of(segment.t_s, segment.force_N);
+  Recording* best = nullptr;
+  for (Recording& r : recordings)
+    if (!r.used && (best == nullptr || distance(r.character, wanted) < distance(best->character, wanted))) best = &r;
+  if (best == nullptr || distance(best->character, wanted) > kAlike) {
+    out.skipped.push_back(segment.name + ": none of the recordings is like it; the force to play is " + profile.string() + (best == nullptr ? "" : "; " + difference(*best, segment)));
+    return false;
+  }
+  best->used = true;
+  FORCEGATE_CHECK_OK(append_recording(best->path, out.folder, segment.stimulus));
+  odds.file = best->path.filename().string();
+  return true;
+}
+
+// Writes every segment's force, and deals the segments out; those that cannot be had go to `skipped`.
+Result<ToPlay> deal_segments(const NextRunRequest& request, bool sealed, std::vector<Recording> recordings, NextRunResult& out) {
+  ToPlay to_play;
+  for (std::size_t k = 0; k < out.planned.segments.size(); ++k) {
+    const ExperimentSegment& s = out.planned.segments[k];
+    FORCEGATE_TRY(const fs::path profile, write_profile(s, out.folder, k + 1));
+    SegmentOdds odds;
+    odds.segment = s.name;
+    odds.rivals = s.separates;
+    if (is_replay(request)) {
+      FORCEGATE_TRY(const bool taken, take_recording(s, profile, recordings, out, odds));
+      if (!taken) continue;
+    } else if (s.heats) {
+      out.skipped.push_back(s.name + ": this rig cannot heat");
+      continue;
+    } else if (sealed) {
+      to_play.on_mystery.push_back({slug(s.name), s.stimulus, s.t_s, s.force_N, lowest_frequency_Hz(s)});
+    } else {
+      ProfileToRecord p;
+      p.name = slug(s.name);
+      p.stimulus.name = "replay";
+      p.stimulus.texts["path"] = profile.string();
+      to_play.on_rig.push_back(std::move(p));
+    }
+    out.segments.push_back(std::move(odds));
+  }
+  return to_play;
+}
+
+Result<void> play(const NextRunRequest& request, const ToPlay& to_play, const RecordingProgress& progress, const std::atomic<bool>* cancelled, NextRunResult& out) {
+  if (!to_play.on_rig.empty()) {
+    const auto of_playing = [&](double fraction, std::string_view now) {
+      if (progress) progress(0.2 + 0.5 * fraction, now);
+    };
+    FORCEGATE_TRY(const std::vector<RecordedFile> files, record_profiles(request.bench, to_play.on_rig, out.folder, of_playing, cancelled));
+    for (std::size_t k = 0; k < files.size(); ++k) out.segments[k].file = files[k].file;
+  }
+  if (!to_play.on_mystery.empty()) {
+    FORCEGATE_TRY(const std::vector<std::string> files, play_on_mystery(out.folder, to_play.on_mystery));
+    for (std::size_t k = 0; k < files.size(); ++k) out.segments[k].file = files[k];
+  }
+  return {};
+}
+
+void tell_odds(NextRunResult& out) {
+  constexpr std::string_view kBetween = " / ";
+  for (SegmentOdds& odds : out.segments) {
+    const std::size_t at = odds.rivals.find(kBetween);
+    const std::string first = odds.rivals.substr(0, at),
+                      second = at == std::string::npos ? "" : odds.rivals.substr(at + kBetween.size());
+    for (const ExperimentSegment& s : out.planned.segments)
+      if (s.name == odds.segment) odds.expected = s.odds_after, odds.stated = s.odds_stated;
+    if (const auto before = diagnose::rival_odds(out.before, first, second)) odds.log_before = before->log_odds;
+    const auto now = diagnose::rival_odds_as(odds.stated, out.after, first, second);
+    if (!now) continue;
+    odds.log_after = now->log_odds;
+    odds.leads = now->log_odds >= 0.0 ? first : second;
+  }
+}
+
 }  // namespace
 
 fs::path next_folder(const fs::path& campaign) {
@@ -154,11 +239,10 @@ bool is_playable(const NextExperiment& planned) {
   return std::ranges::any_of(planned.segments, [](const ExperimentSegment& s) { return !s.heats; });
 }
 
-Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingProgress& progress,
-                               const std::atomic<bool>* cancelled) {
+Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingProgress& progress, const std::atomic<bool>* cancelled) {
   NextRunResult out;
   std::error_code error;
-  const bool sealed = request.bench.rig != "replay" && is_mystery(request.campaign.campaign);
+  const bool on_rig = !is_replay(request), sealed = on_rig && is_mystery(request.campaign.campaign);
   if (progress) progress(0.0, "diagnosing what there is");
   FORCEGATE_TRY(out.before, diagnose_request(request.campaign));
   out.planned = out.before.next_experiment;
@@ -168,59 +252,11 @@ Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingPro
   out.folder = !request.output.empty() ? request.output : next_folder(from);
   FORCEGATE_TRY(std::vector<Recording> recordings, read_recordings(request.recorded));
   FORCEGATE_CHECK_OK(check_new(out.folder, request.recorded));
-  const bool on_rig = request.bench.rig != "replay";
   CampaignCopy copy(out.folder, !on_rig || fs::exists(out.folder, error));
   FORCEGATE_CHECK_OK(copy_campaign(from, out.folder));
-  std::vector<ProfileToRecord> profiles;
-  std::vector<MysterySegment> asked;
-  for (std::size_t k = 0; k < out.planned.segments.size(); ++k) {
-    const ExperimentSegment& s = out.planned.segments[k];
-    FORCEGATE_TRY(const fs::path profile, write_profile(s, out.folder, k + 1));
-    SegmentOdds odds;
-    odds.segment = s.name;
-    odds.rivals = s.separates;
-    if (request.bench.rig == "replay") {
-      const Character wanted = character_of(s.t_s, s.force_N);
-      Recording* best = nullptr;
-      for (Recording& r : recordings)
-        if (!r.used && (best == nullptr || distance(r.character, wanted) < distance(best->character, wanted)))
-          best = &r;
-      if (best == nullptr || distance(best->character, wanted) > 2.0) {
-        out.skipped.push_back(s.name + ": none of the recordings is like it; the force to play is " + profile.string() + (best == nullptr ? "" : "; " + difference(*best, s)));
-        continue;
-      }
-      best->used = true;
-      FORCEGATE_CHECK_OK(append_recording(best->path, out.folder, s.stimulus));
-      odds.file = best->path.filename().string();
-    } else if (s.heats) {
-      out.skipped.push_back(s.name + ": this rig cannot heat");
-      continue;
-    } else if (sealed) {
-      asked.push_back({slug(s.name), s.stimulus, s.t_s, s.force_N, lowest_frequency_Hz(s)});
-    } else {
-      ProfileToRecord p;
-      p.name = slug(s.name);
-      p.stimulus.name = "replay";
-      p.stimulus.texts["path"] = profile.string();
-      profiles.push_back(std::move(p));
-    }
-    out.segments.push_back(std::move(odds));
-  }
-  out.on_stock_sensor = !profiles.empty() && request.bench.rig == "emulated";
-  if (!profiles.empty()) {
-    FORCEGATE_TRY(const std::vector<RecordedFile> files, record_profiles(
-                                                             request.bench, profiles, out.folder,
-                                                             [&](double fraction, std::string_view now) {
-                                                               if (progress)
-                                                                 progress(0.2 + 0.5 * fraction, now);
-                                                             },
-                                                             cancelled));
-    for (std::size_t k = 0; k < files.size(); ++k) out.segments[k].file = files[k].file;
-  }
-  if (!asked.empty()) {
-    FORCEGATE_TRY(const std::vector<std::string> files, play_on_mystery(out.folder, asked));
-    for (std::size_t k = 0; k < files.size(); ++k) out.segments[k].file = files[k];
-  }
+  FORCEGATE_TRY(const ToPlay to_play, deal_segments(request, sealed, std::move(recordings), out));
+  out.on_stock_sensor = !to_play.on_rig.empty() && request.bench.rig == "emulated";
+  FORCEGATE_CHECK_OK(play(request, to_play, progress, cancelled, out));
   if (out.segments.empty())
     return fail(ErrorCode::usage, "none of the segments can be played here: " + out.skipped.front(),
                 on_rig ? from.string() : request.recorded.front().string(), "record one of them and give it with --record");
@@ -236,18 +272,7 @@ Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingPro
   }
   out.after = std::move(*after);
   copy.keep();
-  for (SegmentOdds& odds : out.segments) {
-    const std::size_t at = odds.rivals.find(" / ");
-    const std::string first = odds.rivals.substr(0, at),
-                      second = at == std::string::npos ? "" : odds.rivals.substr(at + 3);
-    for (const ExperimentSegment& s : out.planned.segments)
-      if (s.name == odds.segment) odds.expected = s.odds_after, odds.stated = s.odds_stated;
-    if (const auto before = diagnose::rival_odds(out.before, first, second)) odds.log_before = before->log_odds;
-    const auto now = diagnose::rival_odds_as(odds.stated, out.after, first, second);
-    if (!now) continue;
-    odds.log_after = now->log_odds;
-    odds.leads = now->log_odds >= 0.0 ? first : second;
-  }
+  tell_odds(out);
   return out;
 }
 

@@ -19,13 +19,13 @@ void append(MixedProblem& problem, std::size_t record, const VectorXd& cross, do
   MatrixXd& G = problem.records[record].gram;
   const Index n = G.rows(), y = n - 1;
   MatrixXd wider(n + 1, n + 1);
-  std::vector<Index> kept(static_cast<std::size_t>(n));
-  std::iota(kept.begin(), kept.end(), Index{0});
-  kept.back() = n;
-  wider(kept, kept) = G;
-  wider.col(y)(kept) = cross;
-  wider.row(y)(kept) = cross.transpose();
+  wider.topLeftCorner(y, y) = G.topLeftCorner(y, y);
+  wider.col(n).head(y) = G.col(y).head(y);
+  wider(n, n) = G(y, y);
+  wider.col(y).head(y) = cross.head(y);
   wider(y, y) = square;
+  wider(y, n) = cross(y);
+  wider.triangularView<Eigen::StrictlyLower>() = wider.transpose();
   G = std::move(wider);
 }
 

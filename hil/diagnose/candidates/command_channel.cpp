@@ -124,7 +124,7 @@ void build_command_channel(Workspace& w, unsigned threads) {
   ResidualChannel& channel = w.command;
   channel = ResidualChannel{};
   channel.scale = w.input.range_N;
-  channel.unit = "N";
+  channel.unit = std::string("N");
   channel.shown_in = ShownIn::command;
   for (std::size_t k = 0; k < w.input.records.size(); ++k)
     if (follows_command(w.input.records[k], w.input.range_N)) channel.record_of.push_back(k);

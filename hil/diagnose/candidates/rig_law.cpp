@@ -238,7 +238,7 @@ void build_rig_channel(Workspace& w, unsigned threads) {
   ResidualChannel& channel = w.rig;
   channel = ResidualChannel{};
   channel.scale = w.input.range_N;
-  channel.unit = "N";
+  channel.unit = std::string("N");
   channel.shown_in = ShownIn::rig;
   find_rig_law(w, channel.record_of, threads);
   if (channel.record_of.size() < 2) return;
