@@ -1,7 +1,9 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <numeric>
 #include <optional>
+#include <span>
+#include <utility>
 
 #include "hil/base/quantile.h"
 #include "hil/model/rows.h"
@@ -60,29 +62,40 @@ double share_moving(const RecordInput& record, double range_N) {
   return static_cast<double>(moving) / static_cast<double>(std::max<std::size_t>(1, record.rows()));
 }
 
-// A jump: the mean half period over four half periods changes by more than 1.4 while both sides are steady within 25 %.
+struct SteadySide {
+  double mean_s, spread;  // of half periods; share of the mean
+};
+
+SteadySide steady_side(std::span<const double> half) {
+  const auto [low, high] = std::ranges::minmax(half);
+  const double mean_s = std::accumulate(half.begin(), half.end(), 0.0) / static_cast<double>(half.size());
+  return {mean_s, (high - low) / mean_s};
+}
+
+// What of a half period goes by before its frequency changes, where the phase runs on: x / before + (half - x) / after = 1.
+double before_jump_s(double half_s, double before_s, double after_s) {
+  return std::clamp((1.0 - half_s / after_s) / (1.0 / before_s - 1.0 / after_s), 0.0, half_s);
+}
+
+// A jump, in a half period that belongs to neither side: the mean half period changes by more than 1.4 while both sides are steady within 25 %, over four half periods on one side and three, one
+// and a half cycles, on the other at least.
 void find_jumps(RecordInput& record, const std::vector<Extremum>& turns) {
-  constexpr std::size_t kSide = 4;
+  constexpr std::size_t kSide = 4, kShortSide = 3;
+  constexpr double kSteady = 0.25, kJump = 1.4;
   const std::vector<double> half = half_periods(turns);
   double last_jump = -1e9;
-  for (std::size_t i = kSide; i + kSide + 1 <= half.size(); ++i) {
-    const auto stats = [&](std::size_t from) {
-      double low = half[from], high = half[from], sum = 0.0;
-      for (std::size_t k = from; k < from + kSide; ++k) {
-        low = std::min(low, half[k]);
-        high = std::max(high, half[k]);
-        sum += half[k];
-      }
-      return std::array<double, 2>{sum / kSide, (high - low) / (sum / kSide)};
-    };
-    const auto before = stats(i - kSide), after = stats(i + 1);
-    const double ratio = std::log(before[0] / after[0]);
-    if (std::abs(ratio) < std::log(1.4) || before[1] > 0.25 || after[1] > 0.25) continue;
-    if (turns[i].t_s - last_jump < 3.0 * std::max(before[0], after[0])) continue;
-    // the half period that holds the jump belongs to neither side
-    record.frequency_jumps_s.push_back(turns[i].t_s + 0.5 * half[i]);
-    record.jump_log_ratio.push_back(ratio);
-    last_jump = turns[i].t_s;
+  for (std::size_t i = kShortSide; i + kShortSide + 1 <= half.size(); ++i) {
+    for (const auto& [before_n, after_n] : {std::pair{kSide, kSide}, std::pair{kSide, kShortSide}, std::pair{kShortSide, kSide}}) {
+      if (i < before_n || i + after_n + 1 > half.size()) continue;
+      const SteadySide before = steady_side(std::span(half).subspan(i - before_n, before_n)), after = steady_side(std::span(half).subspan(i + 1, after_n));
+      const double ratio = std::log(before.mean_s / after.mean_s);
+      if (std::abs(ratio) < std::log(kJump) || before.spread > kSteady || after.spread > kSteady) continue;
+      if (turns[i].t_s - last_jump < 3.0 * std::max(before.mean_s, after.mean_s)) continue;
+      record.frequency_jumps_s.push_back(turns[i].t_s + before_jump_s(half[i], before.mean_s, after.mean_s));
+      record.jump_log_ratio.push_back(ratio);
+      last_jump = turns[i].t_s;
+      break;
+    }
   }
 }
 
