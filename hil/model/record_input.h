@@ -85,6 +85,12 @@ struct RecordInput {
   double base_force_N(std::size_t row) const { return F_min_N + decay[row] * (F_N[row] - F_min_N); }
 };
 
+/// Force at which the film is unloaded: 0, unless the reference was tared under load and reads below zero by more than a zero that drifts does.
+inline double no_load_N(double lowest_N, double span_N) {
+  constexpr double kDrift = 0.05;  // of the span
+  return lowest_N < -kDrift * span_N ? lowest_N : 0.0;
+}
+
 struct CampaignInput {
   std::string name;
   BenchFacts bench;
@@ -107,11 +113,7 @@ struct CampaignInput {
   bool undeclared = false;  ///< nobody wrote down what any record is: it may be another machine's, slow or late by much
   std::vector<std::string> notes;
 
-  /// Force at which the film is unloaded: 0, unless the reference was tared under load and reads below zero by more than a zero that drifts does.
-  double no_load_N() const {
-    constexpr double kDrift = 0.05;  // of the span
-    return lowest_N < -kDrift * range_N ? lowest_N : 0.0;
-  }
+  double no_load_N() const { return forcegate::no_load_N(lowest_N, range_N); }
 };
 
 }  // namespace forcegate

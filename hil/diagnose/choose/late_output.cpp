@@ -197,7 +197,7 @@ LateOutput late_output(const Workspace& w, unsigned threads) {
   constexpr double kPlainly = 30.0, kLeft = 0.5;  // nats, share of the mean square: a lag of a kind that nobody wrote down may come as near
   constexpr double kSomething = 0.1;              // of what the instruments may leave (mean square): else nothing is left to be explained
   constexpr double kOfLag = 0.4, kBeside = 0.7;   // of the lag alone: where the climb begins
-  constexpr double kTypical_n = 0.8, kTypicalRatio = 1.2, kProfile = 0.1;
+  constexpr double kTypical_n = 0.8, kTypicalRatio = 1.2, kTypicalUnloaded = 1.0, kProfile = 0.1;
   const Candidate* guess = guessed_lag(w.output);
   if (guess == nullptr || std::ranges::any_of(w.input.records, &RecordInput::dynamic)) return {};
   LagAndCurveModel model(w, threads);
@@ -236,11 +236,13 @@ LateOutput late_output(const Workspace& w, unsigned threads) {
     see(alone);
     delayed({kOnePole, curve}, alone);
   }
+  const std::vector<std::pair<std::string, std::vector<double>>> lags = {
+      {"two_poles", {tau_s}}, {"diffusive", {tau_s}}, {"two_speeds", {tau_s, kTypicalRatio}}, {"sooner_under_load", {tau_s, kTypicalUnloaded}}};
   AlongRidge ridge(model, forms);
   late = ridge.top(late);
   if (!plain() || late.delay_s <= allowed_latency_s(w.input)) return {};
   for (const auto& [curve, shape] : curves)
-    for (const auto& [lag, of_lag] : std::vector<std::pair<std::string, std::vector<double>>>{{"two_poles", {tau_s}}, {"diffusive", {tau_s}}, {"two_speeds", {tau_s, kTypicalRatio}}}) {
+    for (const auto& [lag, of_lag] : lags) {
       see(model.best({lag, curve}, {0.0, of_lag, shape}, Delay::stays));
       if (!plain()) return {};
     }

@@ -35,6 +35,8 @@ struct CTermContext {
   double span_N = 5.0;  ///< what the shares in the shapes refer to
   double lowest_N = 0.0;
   double reference_temperature_C = kMissing;  ///< temperature at which a thermal effect is zero
+
+  double no_load_N() const { return forcegate::no_load_N(lowest_N, span_N); }
 };
 
 /// Errors (config): the effect cannot be inverted on a microcontroller, with the reason and what to do instead.

@@ -94,6 +94,42 @@ CTerm relaxations(const std::string& id, const std::vector<double>& tau_s, const
   return t;
 }
 
+// Two floats hold what has grown: a long time constant moves it by less than the last bit of one.
+CTerm stress_activated_creep(const ModelEffect& e, const CTermContext& x) {
+  const double tau_s = shape_of(e, 0), F0_N = shape_of(e, 1), k = strength_of(e, 0), faded = -std::expm1(-1.0 / (tau_s * x.rate_Hz));
+  const bool settled = e.form.ends_with("_settled");
+  const std::string& id = x.id;
+  CTerm t;
+  t.title = fmt::format("creep: y' = (F0/tau) sinh((F - y)/F0), tau {:g} s, F0 {:g} N, share {:g}", tau_s, F0_N, k);
+  t.constants = constant("k_" + id + "_k", k) + constant("k_" + id + "_F0", F0_N) + constant("k_" + id + "_per_F0", 1.0 / F0_N) + constant("k_" + id + "_faded", faded);
+  t.state = fmt::format("  float {0}_hi, {0}_lo, {0}_x;\n", id);
+  t.constants += fmt::format(
+      "static inline float {0}_flow(float gap) {{\n"
+      "  const float q = fg_exp(-fg_min(fg_abs(gap) * k_{0}_per_F0, 60.0f));\n"
+      "  const float u = k_{0}_faded * (1.0f / q - q) / ((2.0f - k_{0}_faded) + k_{0}_faded * q);\n"
+      "  const float z = u < 0.01f ? u * (1.0f - u * (0.5f - u * (1.0f / 3.0f))) : fg_ln(1.0f + u);\n"
+      "  return gap < 0.0f ? -(k_{0}_F0 * z) : k_{0}_F0 * z;\n"
+      "}}\n",
+      id);
+  t.value = fmt::format("k_{0}_k * (c->running ? c->{0}_hi + {0}_flow(0.5f * (c->{0}_x + F) - c->{0}_hi) : {1})", id, settled ? "F" : "0.0f");
+  t.commit = fmt::format(
+      "  if (c->running) {{\n"
+      "    const float step = {0}_flow(0.5f * (c->{0}_x + F) - c->{0}_hi) + c->{0}_lo;\n"
+      "    const float sum = c->{0}_hi + step;\n"
+      "    c->{0}_lo = step - (sum - c->{0}_hi);\n"
+      "    c->{0}_hi = sum;\n"
+      "  }} else {{\n"
+      "    c->{0}_hi = {1};\n"
+      "  }}\n"
+      "  c->{0}_x = F;\n",
+      id, settled ? "F" : "0.0f");
+  t.slope_min = std::min(0.0, k);
+  t.once = t.each = 130;
+  t.bytes = 12;
+  t.needs_exp = t.needs_ln = true;
+  return t;
+}
+
 }  // namespace
 
 Result<CTerm> creep(const ModelEffect& e, const CTermContext& x) {
@@ -101,6 +137,7 @@ Result<CTerm> creep(const ModelEffect& e, const CTermContext& x) {
   if (e.form == "carried")
     return refuse("creep of form carried", "it begins with what loads and rests before a reset left behind",
                   "--fit CAMPAIGN fits a form that begins anew");
+  if (e.form.starts_with("stress_activated")) return stress_activated_creep(e, x);
   std::vector<double> tau, weight;
   if (e.form.starts_with("prony")) {
     tau = {1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0};
@@ -243,6 +280,39 @@ CTerm lag_of_two_speeds(const ModelEffect& e, const CTermContext& x) {
   return t;
 }
 
+CTerm lag_sooner_under_load(const ModelEffect& e, const CTermContext& x) {
+  const double tau_s = shape_of(e, 0), unloaded = shape_of(e, 1), c = strength_of(e, 0);
+  const std::string& id = x.id;
+  const double zero_N = x.no_load_N(), floor_N = unloaded * x.span_N, middle_N = x.lowest_N - zero_N + 0.5 * x.span_N + floor_N;
+  const double per_N = 1.0 / (tau_s * middle_N * x.rate_Hz);
+  CTerm t;
+  t.title = fmt::format("lag: one pole of {:g} s at {:g} N and sooner above, share {:g}", tau_s, middle_N - floor_N + zero_N, c);
+  t.constants = constant("k_" + id + "_c", c) + constant("k_" + id + "_zero", zero_N) + constant("k_" + id + "_floor", floor_N) + constant("k_" + id + "_per", per_N);
+  t.state = fmt::format("  float {0}_y, {0}_x, {0}_a, {0}_b;\n", id);
+  t.prepare = fmt::format(
+      "  if (c->running) {{\n"
+      "    const float h = (fg_max(c->{0}_x - k_{0}_zero, 0.0f) + k_{0}_floor) * k_{0}_per;\n"
+      "    const float gone = h < 0.25f ? h / (1.0f + h * (0.5f + h * (1.0f / 12.0f))) : 1.0f - fg_exp(-h);\n"
+      "    c->{0}_b = 0.5f * gone;\n"
+      "    c->{0}_a = c->{0}_y + (0.5f * c->{0}_x - c->{0}_y) * gone;\n"
+      "  }} else {{\n"
+      "    c->{0}_a = 0.0f;\n"
+      "    c->{0}_b = 1.0f;\n"
+      "  }}\n",
+      id);
+  t.value = fmt::format("c->shrink * k_{0}_c * (c->{0}_a + (c->{0}_b - 1.0f) * F)", id);
+  t.commit = fmt::format(
+      "  c->{0}_y = c->{0}_a + c->{0}_b * F;\n"
+      "  c->{0}_x = F;\n",
+      id);
+  t.slope_min = -c * (1.0 + 0.5 * std::expm1(-floor_N * per_N));
+  t.once = 70;
+  t.each = 4;
+  t.bytes = 16;
+  t.needs_exp = true;
+  return t;
+}
+
 CTerm lag_of_two_poles(const ModelEffect& e, const CTermContext& x) {
   const double tau_s = 0.5 * shape_of(e, 0), c = strength_of(e, 0);
   const std::string& id = x.id;
@@ -287,6 +357,7 @@ Result<CTerm> lag(const ModelEffect& e, const CTermContext& x) {
   const std::string form = e.form.starts_with(kSlow) ? e.form.substr(kSlow.size()) : e.form;
   if (form == "two_poles") return lag_of_two_poles(e, x);
   if (form == "two_speeds") return lag_of_two_speeds(e, x);
+  if (form == "sooner_under_load") return lag_sooner_under_load(e, x);
   const double tau = shape_of(e, 0), c = strength_of(e, 0);
   const std::string& id = x.id;
   std::vector<double> taus{tau}, weights{c};

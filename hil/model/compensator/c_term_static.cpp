@@ -170,6 +170,11 @@ Result<CTerm> dead_zone(const ModelEffect& e, const CTermContext& x) {
                 : fmt::format("-(k_{0}_c * F * k_{0}_F0 * k_{0}_F0 / (F * F + k_{0}_F0 * k_{0}_F0))", id);
     t.each = 8;
     t.needs_exp = false;
+  } else if (e.form == "long_tailed") {
+    body = fmt::format("k_{0}_c * (fg_sqrt(F * F + k_{0}_F0 * k_{0}_F0) - F - k_{0}_F0)", id);
+    t.each = 16;
+    t.needs_exp = false;
+    t.needs_sqrt = true;
   } else if (e.form == "skewed") {
     t.constants += fmt::format(
         "static inline float {0}_open(float x) {{\n"

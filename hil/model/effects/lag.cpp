@@ -4,6 +4,7 @@
 // two_speeds (ours): one pole that is slower or faster while y falls, tau_s up and tau_s * ratio down: a film is pushed together by the load
 // and parts by itself.
 // FlexiForce settles with the bench in 70 ms, the FSR needs 210 ms (Lebosse 2011, fig. 5).
+// sooner_under_load (ours): one pole whose time constant falls with the load (load_dependent_pole.h): pressed layers seat sooner.
 // slow (ours): a system that follows within seconds or minutes. All of the input passes it: an output that follows at once and grows by a
 // share creeps.
 
@@ -16,6 +17,7 @@
 
 #include "hil/model/effect.h"
 #include "hil/model/fading_memory.h"
+#include "hil/model/load_dependent_pole.h"
 #include "hil/model/states.h"
 #include "hil/model/time_scale.h"
 
@@ -97,6 +99,29 @@ EffectForm two_speeds() {
           .most = 1.15};
 }
 
+EffectForm sooner_under_load() {
+  constexpr double kTypical = 1.0;
+  return {.name = "sooner_under_load",
+          .shape = {{"tau_s", "s", 1e-4, 10.0, 0.05, "time constant at mid force"},
+                    {"unloaded", "1", kUnloadedOfLayers, 10.0, kTypical, "how little the load hastens it, share of the span: less of it is a pole of the film's resistance"}},
+          .strength = {{"c", "1", -2.0, 2.0, 0.0, "share of the force that passes the lag"}},
+          .sign = StrengthSign::positive,
+          .grid =
+              [](const CampaignInput& c) -> std::vector<std::vector<double>> {
+                if (c.no_load_N() < 0.0) return {};  // nobody knows at which force nothing is pressed together
+                std::vector<std::vector<double>> out;
+                for (const double tau_s : {0.004, 0.012, 0.04, 0.12, 0.4}) out.push_back({tau_s, kTypical});
+                return out;
+              },
+          .columns =
+              [](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
+                out.setZero();
+                if (!r.fast_F_N.empty()) load_dependent_pole(c, r, shape[0], shape[1], out, [](double) { return 1.0; });
+              },
+          .least = 0.0,
+          .most = 1.15};
+}
+
 constexpr double kUsualRow_s = 0.01;
 
 EffectForm filtered(const char* name, Kind kind, const ParameterSpec& tau, double least, std::function<std::vector<std::vector<double>>(const CampaignInput&)> grid) {
@@ -145,8 +170,8 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .traits = {.timing = true, .shift = TimeShift::first_shape, .late = true, .any_course = true},
     .forms = {form("one_pole", Kind::one_pole, {0.001, 0.002, 0.004, 0.008, 0.016, 0.032, 0.064, 0.128, 0.256, 0.512}),
               form("two_poles", Kind::two_poles, {0.002, 0.004, 0.008, 0.016, 0.032, 0.064, 0.128, 0.256, 0.512}),
-              form("diffusive", Kind::diffusive, {0.001, 0.004, 0.016, 0.064, 0.256}), two_speeds(), slow("slow", Kind::one_pole),
-              slow("slow_two_poles", Kind::two_poles), slow("slow_diffusive", Kind::diffusive)}}};
+              form("diffusive", Kind::diffusive, {0.001, 0.004, 0.016, 0.064, 0.256}), two_speeds(), sooner_under_load(),
+              slow("slow", Kind::one_pole), slow("slow_two_poles", Kind::two_poles), slow("slow_diffusive", Kind::diffusive)}}};
 
 }  // namespace
 }  // namespace forcegate

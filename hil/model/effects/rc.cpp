@@ -5,47 +5,21 @@
 // grows with the force, the tail shortens less with the load.
 // Paredes-Madrid et al. 2010: sensor = R(F) parallel C(F).
 
-#include <cmath>
+#include <algorithm>
 
 #include "hil/model/capacitance_curve.h"
 #include "hil/model/effect.h"
-#include "hil/model/fading_memory.h"
-#include "hil/model/states.h"
+#include "hil/model/load_dependent_pole.h"
 
 namespace forcegate {
 namespace {
 
-constexpr double kFilmAlone = 0.02, kOnDivider = 0.3;  // shares of the span
-
-// 1 - e^-h. Below a quarter by Pade's quotient, 4e-6 off at most: the step stands in the innermost loop of all.
-double decayed(double h) { return h < 0.25 ? h / (1.0 + h * (0.5 + h / 12.0)) : h * mean_of_decay(h); }
-
-// `factor(F)`: C(F) / C(Fm).
-template <class Factor>
-void pole_columns(const CampaignInput& c, const RecordInput& r, double tau_s, double unloaded, ColumnsRef out,
-                  const Factor& factor) {
-  const double zero_N = c.no_load_N(), floor = unloaded * c.range_N, middle = c.lowest_N - zero_N + 0.5 * c.range_N + floor;
-  const double per_Ns = 1.0 / (tau_s * middle);
-  double y = r.fast_F_N[0];
-  const auto time_constants = [&](std::uint32_t k) {
-    const double F = r.fast_F_N[k];
-    return (std::max(F - zero_N, 0.0) + floor) * per_Ns / factor(F) * (r.fast_t_s[k] - r.fast_t_s[k - 1]);
-  };
-  filter_wanted_rows(
-      r,
-      [&](std::uint32_t next, std::uint32_t k) {
-        for (double h = 0.0; k > next && h < kForgotten; --k) h += time_constants(k);
-        return k;
-      },
-      [&](std::uint32_t k) { return y = r.fast_F_N[k]; },
-      [&](std::uint32_t k) { return y += (0.5 * (r.fast_F_N[k] + r.fast_F_N[k - 1]) - y) * decayed(time_constants(k)); },
-      [&](std::size_t i, double mean) { out(static_cast<Eigen::Index>(i), 0) = r.decay[i] * (mean - r.F_N[i]); });
-}
+constexpr double kFilmAlone = 0.02, kOnDivider = kUnloadedOfLayers;  // shares of the span
 
 EffectForm form(const char* name, bool measured) {
   return {.name = name,
           .shape = {{"tau_s", "s", 1e-4, 10.0, 0.02, "time constant at mid force"},
-                    {"unloaded", "1", 0.005, 0.3, kFilmAlone, "what conducts without a load, share of the span: more of it is a lag"}},
+                    {"unloaded", "1", 0.005, kUnloadedOfLayers, kFilmAlone, "what conducts without a load, share of the span: more of it is a lag"}},
           .strength = {{"c", "1", -2.0, 2.0, 0.0, "share of the signal behind the pole"}},
           .sign = StrengthSign::positive,
           .grid = [measured](const CampaignInput& c) -> std::vector<std::vector<double>> {
@@ -63,11 +37,11 @@ EffectForm form(const char* name, bool measured) {
                          ColumnsRef out) {
                 out.setZero();
                 if (r.fast_F_N.empty()) return;
-                if (!measured) return pole_columns(c, r, shape[0], shape[1], out, [](double) { return 1.0; });
+                if (!measured) return load_dependent_pole(c, r, shape[0], shape[1], out, [](double) { return 1.0; });
                 const auto curve = capacitance_curve(c);
                 if (!curve) return;
                 const double middle_F = curve->at_F(c.lowest_N + 0.5 * c.range_N), least = 0.1;
-                pole_columns(c, r, shape[0], shape[1], out,
+                load_dependent_pole(c, r, shape[0], shape[1], out,
                              [&](double F) { return std::max(least, curve->at_F(F) / middle_F); });
               },
           .least = 0.0,

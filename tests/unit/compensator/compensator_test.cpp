@@ -109,6 +109,8 @@ TEST(Compensator, EveryFormOfCreepIsUndone) {
   EXPECT_LT(replay_LSB(model_with({effect("creep", "prony_decayed", prony)})), 0.1);
   EXPECT_LT(replay_LSB(model_with({effect("creep", "power_law", {0.03}, {0.12})})), 0.1);
   EXPECT_LT(replay_LSB(model_with({effect("creep", "power_law_decayed", {0.03}, {0.0})})), 0.1);
+  EXPECT_LT(replay_LSB(model_with({effect("creep", "stress_activated", {0.1}, {60.0, 0.5})})), 0.1);
+  EXPECT_LT(replay_LSB(model_with({effect("creep", "stress_activated_settled", {0.1}, {60.0, 0.5})})), 0.1);
 }
 
 TEST(Compensator, EveryFormOfLagIsUndone) {
@@ -116,6 +118,9 @@ TEST(Compensator, EveryFormOfLagIsUndone) {
   EXPECT_LT(replay_LSB(model_with({effect("lag", "two_poles", {0.6}, {0.05})})), 0.2);
   EXPECT_LT(replay_LSB(model_with({effect("lag", "diffusive", {0.6}, {0.064})})), 0.2);
   EXPECT_LT(replay_LSB(model_with({effect("lag", "two_speeds", {0.6}, {0.05, 2.5})})), 0.2);
+  Model pressed = model_with({effect("lag", "sooner_under_load", {0.6}, {0.05, 0.5})});
+  pressed.frame.lowest_N = 0.2;  // of the campaign: the time constant is that at mid force
+  EXPECT_LT(replay_LSB(pressed), 0.2);
 }
 
 TEST(Compensator, CurvesThermalEffectsAndDeadZonesAreUndone) {
@@ -132,6 +137,7 @@ TEST(Compensator, CurvesThermalEffectsAndDeadZonesAreUndone) {
   EXPECT_LT(replay_LSB(model_with({effect("dead_zone", "closing", {0.5}, {0.2})})), 0.3);
   EXPECT_LT(replay_LSB(model_with({effect("dead_zone", "skewed", {0.5}, {0.8})})), 0.3);
   EXPECT_LT(replay_LSB(model_with({effect("dead_zone", "spread", {0.5}, {0.8})})), 0.3);
+  EXPECT_LT(replay_LSB(model_with({effect("dead_zone", "long_tailed", {0.5}, {0.8})})), 0.3);
   EXPECT_LT(replay_LSB(model_with({effect("dead_zone", "hard", {0.5}, {0.2})})), 0.3);
 }
 
@@ -152,7 +158,7 @@ TEST(Compensator, EveryFormOfTheLibraryIsUndoneOrRefused) {
       std::vector<double> shape;
       for (const ParameterSpec& p : form.shape) shape.push_back(p.neutral);
       Model model = model_with({effect(kind.name, form.name, std::vector<double>(form.strength.size(), 0.01 * sign), shape)});
-      model.frame.temperature_C = 23.0;
+      model.frame.temperature_C = 23.0, model.frame.lowest_N = 0.2;
       if (const auto made = make_compensator(model, {}); !made) {
         EXPECT_FALSE(made.error().hint.empty()) << kind.name << ", " << form.name;
         continue;

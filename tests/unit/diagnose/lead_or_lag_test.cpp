@@ -29,6 +29,22 @@ TEST(LeadOrLag, AnOutputThatLagsMoreAtLowLoadIsNoLead) {
   EXPECT_GE(probability(d, "rc"), 0.9) << told(d);
 }
 
+// Layers of a load's own hurry, which is no 1/F: unloaded they take half as long again, pressed two thirds of it.
+std::vector<double> seating(const std::vector<double>& t, const std::vector<double>& F) {
+  std::vector<double> y{2.0 * F.front()};
+  for (std::size_t i = 1; i < F.size(); ++i) {
+    const double tau_s = 0.012 * (0.6 + 0.8 * std::exp(-F[i] / 2.0));
+    y.push_back(y.back() + (2.0 * F[i] - y.back()) * -std::expm1(-(t[i] - t[i - 1]) / tau_s));
+  }
+  return y;
+}
+
+TEST(LeadOrLag, LayersThatSeatSoonerUnderLoadAreNoCapacitance) {
+  const Diagnosis d = answer(recording(200.0, 24000, steps, seating, 0.002));
+  EXPECT_GE(probability(d, "lag"), 0.9) << told(d);
+  EXPECT_LT(probability(d, "rc"), 0.1) << told(d);
+}
+
 // Charge that goes with the logarithm of the force.
 TEST(LeadOrLag, OneThatLeadsIs) {
   const Diagnosis d = answer(recording(

@@ -1,5 +1,5 @@
 // Growth of the output under constant load. Two forms: fractional (power-law) compliance as a continuous
-// spectrum of relaxation times, and thermally activated closing of gaps with Eyring's hyperbolic-sine rate.
+// spectrum of relaxation times, and flow whose rate goes with a power of the stress that is left (Norton 1929).
 
 #include <fmt/format.h>
 
@@ -71,37 +71,34 @@ class FractionalCreep final : public HiddenEffect {
   std::array<double, kModes> tau_s_{}, weight_{}, state_{}, keep_{};
 };
 
-class EyringCreep final : public HiddenEffect {
+class NortonCreep final : public HiddenEffect {
  public:
-  explicit EyringCreep(Rng& rng)
-      : tau_s_(portable::exp(rng.uniform(portable::log(800.0), portable::log(6000.0)))),
-        activation_(rng.uniform(0.12, 0.3)) {}
+  explicit NortonCreep(Rng& rng)
+      : tau_s_(portable::exp(rng.uniform(portable::log(15.0), portable::log(150.0)))), exponent_(rng.uniform(2.0, 4.0)) {}
 
   std::string form() const override {
-    return fmt::format(
-        "gaps close at a rate ~ sinh((F - z) / {:.2f} N), time constant {:.0f} s, {:.2f} % of the load",
-        activation_ * 5.0, tau_s_, 100 * kShare * strength_);
+    return fmt::format("flow at a rate ~ (F - z)^{:.1f}, {:.0f} s at {:.0f} N, {:.2f} % of the load", exponent_, tau_s_, kScale_N, 100 * kShare * strength_);
   }
   void begin_campaign() override { z_N_ = 0.0; }
-  void begin_record(const RecordContext& context) override { relax(0.0, context.plan.rest_before_s); }
+  void begin_record(const RecordContext& context) override { flow(0.0, context.plan.rest_before_s); }
   void film(Waves& waves, const RecordContext&) override {
     if (strength_ == 0.0) return;
     add_in_blocks(waves, [&](double force_N, double length_s) {
-      relax(force_N, length_s);
+      flow(force_N, length_s);
       return kShare * strength_ * z_N_;
     });
   }
 
  private:
-  /// Exact for a constant load: tanh(x / 2) decays exponentially, x = (F - z) / activation force.
-  void relax(double force_N, double length_s) {
-    const double scale_N = activation_ * 5.0;
-    const double x = std::clamp((force_N - z_N_) / scale_N, -30.0, 30.0);
-    const double h = hyperbolic_tangent(0.5 * x) * portable::exp(-length_s / tau_s_);
-    z_N_ = force_N - scale_N * portable::log((1.0 + h) / (1.0 - h));
+  /// Exact for a constant load: |x|^(1 - n) grows with the time, x = (F - z) / scale.
+  void flow(double force_N, double length_s) {
+    const double x = (force_N - z_N_) / kScale_N, size = std::abs(x);
+    if (size < 1e-12) return;
+    const double left = portable::pow(portable::pow(size, 1.0 - exponent_) + (exponent_ - 1.0) * length_s / tau_s_, 1.0 / (1.0 - exponent_));
+    z_N_ = force_N - std::copysign(kScale_N * left, x);
   }
-  static constexpr double kShare = 0.06;
-  double tau_s_, activation_, z_N_ = 0.0;
+  static constexpr double kShare = 0.06, kScale_N = 5.0;
+  double tau_s_, exponent_, z_N_ = 0.0;
 };
 
 const HiddenRegistration kRegistered{{.name = "creep",
@@ -111,7 +108,7 @@ const HiddenRegistration kRegistered{{.name = "creep",
                                       .make = [](Rng& rng) -> std::unique_ptr<HiddenEffect> {
                                         if (rng.uniform() < 0.6)
                                           return std::make_unique<FractionalCreep>(rng);
-                                        return std::make_unique<EyringCreep>(rng);
+                                        return std::make_unique<NortonCreep>(rng);
                                       }}};
 
 }  // namespace

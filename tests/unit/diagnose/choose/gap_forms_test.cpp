@@ -1,10 +1,11 @@
-// A gap that closes at once, of any width: between two widths that are tried first another form fits better than either.
+// Dead zones of gaps that no form describes by its own equation, or at no point of its grid.
 
 #include "tests/unit/diagnose/made_recording.h"
 
 namespace forcegate::diagnose {
 namespace {
 
+// A gap that closes at once, of any width: between two widths that are tried first another form fits better than either.
 TEST(HardGap, OfAnyWidthIsFound) {
   const auto triangle = [](double t, double period_s) {
     const double x = std::fmod(t / period_s, 1.0);
@@ -32,6 +33,20 @@ TEST(HardGap, OfAnyWidthIsFound) {
         EXPECT_NEAR(p.value, gap_N, 0.02) << told(d);
       }
     EXPECT_LT(d.error_after, 1.5 * d.floor) << gap_N;
+  }
+}
+
+// A few contacts close late: of those that are open at F0 a share of (1 + F/F0)^-2 is open at F.
+TEST(LongTailedGap, IsNoCurveForCertain) {
+  for (const double F0_N : {0.3, 0.6}) {
+    const Diagnosis d = answer(make_campaign(83, [=](const std::vector<double>&, const std::vector<double>& F, int) {
+      std::vector<double> U;
+      for (const double f : F) U.push_back(0.2 + 2.0 * f * f / (f + F0_N));
+      return U;
+    }));
+    EXPECT_GT(probability(d, "dead_zone"), 0.4) << told(d);
+    EXPECT_LT(probability(d, "static_nonlinearity"), 0.6) << told(d);
+    EXPECT_LT(d.error_after, 2.0 * d.floor) << told(d);
   }
 }
 
