@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <optional>
 #include <span>
 #include <utility>
@@ -62,23 +61,29 @@ double share_moving(const RecordInput& record, double range_N) {
   return static_cast<double>(moving) / static_cast<double>(std::max<std::size_t>(1, record.rows()));
 }
 
+// Turning points a half turn apart: one of the number `at` comes at at_s, both means over the side.
 struct SteadySide {
-  double mean_s, spread;  // of half periods; share of the mean
+  double half_period_s, spread;  // mean; share of it
+  double at, at_s;
 };
 
-SteadySide steady_side(std::span<const double> half) {
-  const auto [low, high] = std::ranges::minmax(half);
-  const double mean_s = std::accumulate(half.begin(), half.end(), 0.0) / static_cast<double>(half.size());
-  return {mean_s, (high - low) / mean_s};
+// Half periods `from` to `from + n`, between the turning points from `from` to `from + n`.
+SteadySide steady_side(const std::vector<Extremum>& turns, std::span<const double> half, std::size_t from, std::size_t n) {
+  const auto [low, high] = std::ranges::minmax(half.subspan(from, n));
+  const double mean_s = (turns[from + n].t_s - turns[from].t_s) / static_cast<double>(n);
+  double sum_s = 0.0;
+  for (std::size_t k = from; k <= from + n; ++k) sum_s += turns[k].t_s;
+  return {mean_s, (high - low) / mean_s, static_cast<double>(from) + 0.5 * static_cast<double>(n), sum_s / static_cast<double>(n + 1)};
 }
 
-// What of a half period goes by before its frequency changes, where the phase runs on: x / before + (half - x) / after = 1.
-double before_jump_s(double half_s, double before_s, double after_s) {
-  return std::clamp((1.0 - half_s / after_s) / (1.0 / before_s - 1.0 / after_s), 0.0, half_s);
+// Where the phases of both sides meet, if it runs on: t with at + (t - at_s)/half_period_s the same on either side.
+double instant_of_jump_s(const SteadySide& before, const SteadySide& after, double earliest_s, double latest_s) {
+  const double meet_s = (after.at - before.at + before.at_s / before.half_period_s - after.at_s / after.half_period_s) / (1.0 / before.half_period_s - 1.0 / after.half_period_s);
+  return std::clamp(meet_s, earliest_s, latest_s);
 }
 
-// A jump, in a half period that belongs to neither side: the mean half period changes by more than 1.4 while both sides are steady within 25 %, over four half periods on one side and three, one
-// and a half cycles, on the other at least.
+// A jump, in a half period that belongs to neither side: the mean half period changes by more than 1.4 while both sides are steady within 25 %, over
+// four half periods on one side and three, one and a half cycles, on the other at least.
 void find_jumps(RecordInput& record, const std::vector<Extremum>& turns) {
   constexpr std::size_t kSide = 4, kShortSide = 3;
   constexpr double kSteady = 0.25, kJump = 1.4;
@@ -87,11 +92,11 @@ void find_jumps(RecordInput& record, const std::vector<Extremum>& turns) {
   for (std::size_t i = kShortSide; i + kShortSide + 1 <= half.size(); ++i) {
     for (const auto& [before_n, after_n] : {std::pair{kSide, kSide}, std::pair{kSide, kShortSide}, std::pair{kShortSide, kSide}}) {
       if (i < before_n || i + after_n + 1 > half.size()) continue;
-      const SteadySide before = steady_side(std::span(half).subspan(i - before_n, before_n)), after = steady_side(std::span(half).subspan(i + 1, after_n));
-      const double ratio = std::log(before.mean_s / after.mean_s);
+      const SteadySide before = steady_side(turns, half, i - before_n, before_n), after = steady_side(turns, half, i + 1, after_n);
+      const double ratio = std::log(before.half_period_s / after.half_period_s);
       if (std::abs(ratio) < std::log(kJump) || before.spread > kSteady || after.spread > kSteady) continue;
-      if (turns[i].t_s - last_jump < 3.0 * std::max(before.mean_s, after.mean_s)) continue;
-      record.frequency_jumps_s.push_back(turns[i].t_s + before_jump_s(half[i], before.mean_s, after.mean_s));
+      if (turns[i].t_s - last_jump < 3.0 * std::max(before.half_period_s, after.half_period_s)) continue;
+      record.frequency_jumps_s.push_back(instant_of_jump_s(before, after, turns[i].t_s, turns[i + 1].t_s));
       record.jump_log_ratio.push_back(ratio);
       last_jump = turns[i].t_s;
       break;
