@@ -257,6 +257,18 @@ Result<CTerm> hysteresis(const ModelEffect& e, const CTermContext& x) {
 
 namespace {
 
+// State y, last drive x and share k_<id>_c of one pole, whose weights prepare_pole() leaves in a and b.
+void put_lag_behind(const std::string& id, CTerm& t) {
+  t.state = fmt::format("  float {0}_y, {0}_x, {0}_a, {0}_b;\n", id);
+  t.value = fmt::format("c->shrink * k_{0}_c * (c->{0}_a + (c->{0}_b - 1.0f) * F)", id);
+  t.commit = fmt::format(
+      "  c->{0}_y = c->{0}_a + c->{0}_b * F;\n"
+      "  c->{0}_x = F;\n",
+      id);
+  t.each = 4;
+  t.bytes = 16;
+}
+
 CTerm lag_of_two_speeds(const ModelEffect& e, const CTermContext& x) {
   const double tau_s = shape_of(e, 0), ratio = shape_of(e, 1), c = strength_of(e, 0);
   const std::string& id = x.id;
@@ -265,18 +277,11 @@ CTerm lag_of_two_speeds(const ModelEffect& e, const CTermContext& x) {
   t.title = fmt::format("lag: one pole of {:g} s up and {:g} s down, share {:g}", tau_s, tau_s * ratio, c);
   t.constants = constant("k_" + id + "_c", c) + constant("k_" + id + "_up_old", up.to_old) + constant("k_" + id + "_up_new", up.to_new) +
                 constant("k_" + id + "_down_old", down.to_old) + constant("k_" + id + "_down_new", down.to_new);
-  t.state = fmt::format("  float {0}_y, {0}_x, {0}_a, {0}_b;\n", id);
   t.prepare = prepare_pole(id, fmt::format("(falls ? k_{0}_down_old : k_{0}_up_old)", id), fmt::format("falls ? k_{0}_down_new : k_{0}_up_new", id),
                            fmt::format("    const int falls = c->{0}_x < c->{0}_y - {1} * (c->{0}_y < 0.0f ? -c->{0}_y : c->{0}_y);\n", id, c_float(kSettled)));
-  t.value = fmt::format("c->shrink * k_{0}_c * (c->{0}_a + (c->{0}_b - 1.0f) * F)", id);
-  t.commit = fmt::format(
-      "  c->{0}_y = c->{0}_a + c->{0}_b * F;\n"
-      "  c->{0}_x = F;\n",
-      id);
+  put_lag_behind(id, t);
   t.slope_min = -c * (1.0 - std::min(up.to_new, down.to_new));
   t.once = 15;
-  t.each = 4;
-  t.bytes = 16;
   return t;
 }
 
@@ -288,27 +293,13 @@ CTerm lag_sooner_under_load(const ModelEffect& e, const CTermContext& x) {
   CTerm t;
   t.title = fmt::format("lag: one pole of {:g} s at {:g} N and sooner above, share {:g}", tau_s, middle_N - floor_N + zero_N, c);
   t.constants = constant("k_" + id + "_c", c) + constant("k_" + id + "_zero", zero_N) + constant("k_" + id + "_floor", floor_N) + constant("k_" + id + "_per", per_N);
-  t.state = fmt::format("  float {0}_y, {0}_x, {0}_a, {0}_b;\n", id);
-  t.prepare = fmt::format(
-      "  if (c->running) {{\n"
-      "    const float h = (fg_max(c->{0}_x - k_{0}_zero, 0.0f) + k_{0}_floor) * k_{0}_per;\n"
-      "    const float gone = h < 0.25f ? h / (1.0f + h * (0.5f + h * (1.0f / 12.0f))) : 1.0f - fg_exp(-h);\n"
-      "    c->{0}_b = 0.5f * gone;\n"
-      "    c->{0}_a = c->{0}_y + (0.5f * c->{0}_x - c->{0}_y) * gone;\n"
-      "  }} else {{\n"
-      "    c->{0}_a = 0.0f;\n"
-      "    c->{0}_b = 1.0f;\n"
-      "  }}\n",
-      id);
-  t.value = fmt::format("c->shrink * k_{0}_c * (c->{0}_a + (c->{0}_b - 1.0f) * F)", id);
-  t.commit = fmt::format(
-      "  c->{0}_y = c->{0}_a + c->{0}_b * F;\n"
-      "  c->{0}_x = F;\n",
-      id);
+  t.prepare = prepare_pole(id, "half", "half",
+                           fmt::format("    const float h = (fg_max(c->{0}_x - k_{0}_zero, 0.0f) + k_{0}_floor) * k_{0}_per;\n"
+                                       "    const float half = h < 0.25f ? 0.5f * h / (1.0f + h * (0.5f + h * (1.0f / 12.0f))) : 0.5f - 0.5f * fg_exp(-h);\n",
+                                       id));
+  put_lag_behind(id, t);
   t.slope_min = -c * (1.0 + 0.5 * std::expm1(-floor_N * per_N));
   t.once = 70;
-  t.each = 4;
-  t.bytes = 16;
   t.needs_exp = true;
   return t;
 }
