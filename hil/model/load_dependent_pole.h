@@ -13,7 +13,7 @@
 namespace forcegate {
 
 /// `unloaded` from which on the pole is a lag of the layers, below it one of the film's resistance.
-inline constexpr double kUnloadedOfLayers = 0.3;
+inline constexpr double kUnloadedOfLayers = 0.6;
 
 /// 1 - e^-h. Below a quarter by Pade's quotient, 4e-6 off at most: the step stands in the innermost loop of all.
 inline double decayed_share(double h) { return h < 0.25 ? h / (1.0 + h * (0.5 + h / 12.0)) : h * mean_of_decay(h); }

@@ -14,7 +14,7 @@
 namespace forcegate {
 namespace {
 
-constexpr double kFilmAlone = 0.02, kOnDivider = kUnloadedOfLayers;  // shares of the span
+constexpr double kFilmAlone = 0.02, kOnDivider = 0.3;  // shares of the span
 
 EffectForm form(const char* name, bool measured) {
   return {.name = name,
