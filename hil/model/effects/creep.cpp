@@ -159,7 +159,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .name = "creep",
     .side = "sensor",
     .summary = "the output goes on growing under constant load and sinks back slowly after unloading",
-    .equation = "dU = g sum_k c_k L_k[F], tau_k L_k' + L_k = F",
+    .equation = "dU = g sum_k c_k L_k[F], tau_k L_k' + L_k = F; stress_activated: dU = g k y, y' = (F0/tau) sinh((F - y)/F0)",
     .source = "Paredes-Madrid et al., Materials 10 (2017) 1334; Interlink FSR 400 data sheet; Eyring, J. Chem. Phys. 4 (1936) 283",
     .look_alikes = {"thermal", "self_heating", "hysteresis", "reference_drift", "lag"},
     .separates =

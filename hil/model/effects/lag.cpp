@@ -161,7 +161,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .name = "lag",
     .side = "sensor",
     .summary = "the output follows the force late, with a one-sided tail after every edge",
-    .equation = "tau y' + y = F, dU = g D c (y - F)",
+    .equation = "tau y' + y = F, dU = g D c (y - F); sooner_under_load: tau ~ 1/(F + Fe)",
     .source = "Lebosse et al. 2011, fig. 5",
     .look_alikes = {"delay", "rc", "hysteresis", "clock_skew"},
     .separates =
