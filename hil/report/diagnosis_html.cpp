@@ -35,18 +35,6 @@ std::string chance_sentence(const Diagnosis& d) {
          " the threshold. What ranks without a claim may be a leftover of something else.";
 }
 
-// What else than claims the error after holds, as the waterfall draws it hollow.
-std::string unclaimed_share(const Diagnosis& d) {
-  std::vector<std::string> names;
-  for (const ModelStep& step : d.steps)
-    if (!step.effect.empty() && std::ranges::none_of(d.findings, [&](const Finding& f) { return f.effect == step.effect && f.claimed(); }))
-      names.push_back(step.effect);
-  if (names.empty()) return {};
-  const auto rivals = std::ranges::find_if(d.not_separable, [&](const auto& group) { return std::ranges::find(group, names.front()) != group.end(); });
-  return ", with " + (names.size() == 1 && rivals != d.not_separable.end() ? join(*rivals, " or ") : join(names, ", ")) +
-         (names.size() > 1 ? ", which are not claimed" : ", which is not claimed");
-}
-
 std::string header(const Diagnosis& d, const DiagnosisPage& page, bool has_looks) {
   const bool comparison = page.comparison;
   const bool fits = comparison ? is_noise(d.error_before, d.floor) : d.verdict == Answer::none && beside_none(d).empty();

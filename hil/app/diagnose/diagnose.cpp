@@ -132,9 +132,9 @@ std::string diagnosis_text(const Diagnosis& d) {
     out += "  besides, structure remains that depends on " + join(d.depends_on, ", ") +
            it_follows + "\n";
   out += fmt::format(
-      "{}{}: {} -> {} {} (floor {} {}); with one gain, offset and decay for all of them {}{} {}\n",
+      "{}{}: {} -> {} {}{} (floor {} {}); with one gain, offset and decay for all of them {}{} {}\n",
       error_name(d.judged_by), d.levels ? ", one gain and offset for all" : "",
-      number(d.error_before), number(d.error_after), unit.name, number(d.floor), unit.name,
+      number(d.error_before), number(d.error_after), unit.name, unclaimed_share(d), number(d.floor), unit.name,
       number(d.plain_before), std::isfinite(d.plain_after) ? " -> " + number(d.plain_after) : "", unit.name);
   if (const auto F = d.errors.find("F"); F != d.errors.end())
     out += fmt::format("reference against the rig's law: {} -> {} mN\n", plain_number(1e3 * F->second.before),

@@ -41,6 +41,20 @@ TEST(DiagnosisText, SaysOnceWhatPartsSeveralLookAlikes) {
   EXPECT_EQ(text.find("fast edges"), text.rfind("fast edges"));
 }
 
+TEST(DiagnosisText, SaysWhatTheErrorHoldsThatIsNotClaimed) {
+  Diagnosis d;
+  d.verdict = DiagnosisVerdict::known;
+  d.error_before = 0.0233, d.error_after = 0.0102, d.floor = 0.004;
+  d.steps = {{"", 0.0233}, {"static_nonlinearity", 0.0169}, {"off_axis", 0.0102}};
+  Finding curve, push;
+  curve.effect = "static_nonlinearity", curve.probability = 0.98;
+  push.effect = "off_axis", push.probability = 0.49;
+  d.findings = {curve, push};
+  EXPECT_THAT(diagnosis_text(d), HasSubstr("23.3 -> 10.2 mV, with off_axis, which is not claimed (floor 4 mV)"));
+  d.findings[1].probability = 0.9;
+  EXPECT_THAT(diagnosis_text(d), HasSubstr("23.3 -> 10.2 mV (floor 4 mV)"));
+}
+
 TEST(DiagnosisText, SaysWhatStandsBesideANone) {
   Diagnosis d;
   d.floor = d.error_before = d.error_after = 0.002;
