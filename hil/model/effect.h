@@ -75,6 +75,7 @@ struct EffectForm {
   bool only_further = false;  ///< beside another form of the family, never in its place
   bool whole = false;    ///< what other forms of the family move one by one: taken where both are asked for, and not asked itself
   bool outlasts = false; ///< its state runs on from record to record and moves their levels, which are asked first (hil/diagnose/between/outlasting.h)
+  bool one_law = false;  ///< all of the effect is one such law: not taken beside another form of the family
   bool last = false;     ///< so flexible that it is asked only where nothing else is found, and nothing is asked beside it
   RigShows after_rig = RigShows::nothing;  ///< of the output, where the rig has shown so much of the reference
   bool groups = false;   ///< a column belongs to one group of records each, the first group has none

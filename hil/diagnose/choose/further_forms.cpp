@@ -25,7 +25,7 @@ std::vector<int> further_forms(const ResidualChannel& channel, const EffectKind&
     best.gain = kWorth;
     for (std::size_t v = 0; v < channel.variants.size(); ++v) {
       const Candidate& c = candidate_of(channel, static_cast<int>(v));
-      if (c.kind != &kind || (kind.traits.known_form && is_present(c.form))) continue;
+      if (c.kind != &kind || c.form->one_law || (kind.traits.known_form && is_present(c.form))) continue;
       VariantScore score = score_variant(channel, present, fit, static_cast<int>(v), nullptr);
       if (!score.wrong_sign && score.gain > best.gain) best = std::move(score);
     }

@@ -152,7 +152,8 @@ EffectForm stress_activated_form(const char* name, bool settled) {
               },
           .columns = [settled](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef out) { stress_activated(r, shape[0], shape[1], settled, out); },
           .least = kLeastGrowth,
-          .most = kMostGrowth};
+          .most = kMostGrowth,
+          .one_law = true};
 }
 
 const Registration<EffectKind> kRegistered{EffectKind{
