@@ -3,7 +3,6 @@
 
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "hil/diagnose/choose/select.h"
 #include "hil/diagnose/diagnosis.h"

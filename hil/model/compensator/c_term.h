@@ -33,7 +33,8 @@ struct CTermContext {
   std::string id;  ///< "e0": prefix of members and constants
   double rate_Hz = 1000.0;
   double span_N = 5.0;  ///< what the shares in the shapes refer to
-  double lowest_N = 0.0;
+  double lowest_N = 0.0;      ///< 0 where the model does not say it
+  bool knows_lowest = false;
   double reference_temperature_C = kMissing;  ///< temperature at which a thermal effect is zero
 
   double no_load_N() const { return forcegate::no_load_N(lowest_N, span_N); }

@@ -285,7 +285,10 @@ CTerm lag_of_two_speeds(const ModelEffect& e, const CTermContext& x) {
   return t;
 }
 
-CTerm lag_sooner_under_load(const ModelEffect& e, const CTermContext& x) {
+Result<CTerm> lag_sooner_under_load(const ModelEffect& e, const CTermContext& x) {
+  if (!x.knows_lowest)
+    return refuse("lag of form " + e.form, "the model file does not say at which force its time constant is what it says",
+                  "lowest_N under [law] says it, which forcegate fit writes; or give the campaign with --fit");
   const double tau_s = shape_of(e, 0), unloaded = shape_of(e, 1), c = strength_of(e, 0);
   const std::string& id = x.id;
   const double zero_N = x.no_load_N(), floor_N = unloaded * x.span_N, middle_N = x.lowest_N - zero_N + 0.5 * x.span_N + floor_N;

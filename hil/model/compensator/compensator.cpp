@@ -119,7 +119,8 @@ Result<std::vector<CTerm>> terms_of(const Model& model, const CompensatorOptions
   CTermContext context;
   context.rate_Hz = options.rate_Hz;
   context.span_N = model.frame.span_N;
-  context.lowest_N = std::isfinite(model.frame.lowest_N) ? model.frame.lowest_N : 0.0;
+  context.knows_lowest = std::isfinite(model.frame.lowest_N);
+  if (context.knows_lowest) context.lowest_N = model.frame.lowest_N;
   context.reference_temperature_C = std::isfinite(model.frame.temperature_C) ? model.frame.temperature_C : options.reference_temperature_C;
   std::vector<CTerm> out;
   for (const ModelEffect& e : merged(model.effects)) {

@@ -158,7 +158,7 @@ TEST(Compensator, EveryFormOfTheLibraryIsUndoneOrRefused) {
       std::vector<double> shape;
       for (const ParameterSpec& p : form.shape) shape.push_back(p.neutral);
       Model model = model_with({effect(kind.name, form.name, std::vector<double>(form.strength.size(), 0.01 * sign), shape)});
-      model.frame.temperature_C = 23.0, model.frame.lowest_N = 0.2;
+      model.frame.temperature_C = 23.0;
       if (const auto made = make_compensator(model, {}); !made) {
         EXPECT_FALSE(made.error().hint.empty()) << kind.name << ", " << form.name;
         continue;
