@@ -33,10 +33,18 @@ std::string prepare_pole(const std::string& id, const std::string& to_old, const
       id, to_old, to_new, before);
 }
 
+std::string add_to_pair(const std::string& id, const std::string& index, const std::string& step, const std::string& indent) {
+  return fmt::format(
+      "{3}const float step = {2} + c->{0}_lo{1};\n"
+      "{3}const float sum = c->{0}_hi{1} + step;\n"
+      "{3}c->{0}_lo{1} = step - (sum - c->{0}_hi{1});\n"
+      "{3}c->{0}_hi{1} = sum;\n",
+      id, index, step, indent);
+}
+
 namespace {
 
-// Relaxations in parallel: sum_k c_k L_k[drive]. The states are sums of two floats: a time constant of 1000 s moves them by
-// less than the last bit of one.
+// Relaxations in parallel: sum_k c_k L_k[drive].
 CTerm relaxations(const std::string& id, const std::vector<double>& tau_s, const std::vector<double>& weight,
                   bool decayed, bool settled, double rate_Hz) {
   CTerm t;
@@ -77,16 +85,14 @@ CTerm relaxations(const std::string& id, const std::vector<double>& tau_s, const
       "  for (int k = 0; k < {1}; ++k) {{\n"
       "    if (c->running) {{\n"
       "      const float y = c->{0}_hi[k];\n"
-      "      const float step = (k_{0}_old[k] * (c->{0}_x - y) + k_{0}_new[k] * ({2} - y)) + c->{0}_lo[k];\n"
-      "      const float sum = y + step;\n"
-      "      c->{0}_lo[k] = step - (sum - y);\n"
-      "      c->{0}_hi[k] = sum;\n"
+      "{4}"
       "    }} else {{\n"
       "      c->{0}_hi[k] = {3};\n"
       "    }}\n"
       "  }}\n"
       "  c->{0}_x = {2};\n",
-      id, n, drive, settled ? drive : "0.0f");
+      id, n, drive, settled ? drive : "0.0f",
+      add_to_pair(id, "[k]", fmt::format("(k_{0}_old[k] * (c->{0}_x - y) + k_{0}_new[k] * ({1} - y))", id, drive), "      "));
   t.slope_min = std::min(0.0, direct);
   t.once = static_cast<int>(n) * 16;
   t.each = 2;
@@ -94,7 +100,6 @@ CTerm relaxations(const std::string& id, const std::vector<double>& tau_s, const
   return t;
 }
 
-// Two floats hold what has grown: a long time constant moves it by less than the last bit of one.
 CTerm stress_activated_creep(const ModelEffect& e, const CTermContext& x) {
   const double tau_s = shape_of(e, 0), F0_N = shape_of(e, 1), k = strength_of(e, 0), faded = -std::expm1(-1.0 / (tau_s * x.rate_Hz));
   const bool settled = e.form.ends_with("_settled");
@@ -114,15 +119,12 @@ CTerm stress_activated_creep(const ModelEffect& e, const CTermContext& x) {
   t.value = fmt::format("k_{0}_k * (c->running ? c->{0}_hi + {0}_flow(0.5f * (c->{0}_x + F) - c->{0}_hi) : {1})", id, settled ? "F" : "0.0f");
   t.commit = fmt::format(
       "  if (c->running) {{\n"
-      "    const float step = {0}_flow(0.5f * (c->{0}_x + F) - c->{0}_hi) + c->{0}_lo;\n"
-      "    const float sum = c->{0}_hi + step;\n"
-      "    c->{0}_lo = step - (sum - c->{0}_hi);\n"
-      "    c->{0}_hi = sum;\n"
+      "{2}"
       "  }} else {{\n"
       "    c->{0}_hi = {1};\n"
       "  }}\n"
       "  c->{0}_x = F;\n",
-      id, settled ? "F" : "0.0f");
+      id, settled ? "F" : "0.0f", add_to_pair(id, "", fmt::format("{0}_flow(0.5f * (c->{0}_x + F) - c->{0}_hi)", id), "    "));
   t.slope_min = std::min(0.0, k);
   t.once = t.each = 130;
   t.bytes = 12;

@@ -16,6 +16,10 @@ tl::unexpected<Error> refuse(const std::string& effect, const std::string& why, 
 /// first sample it is settled at the drive. `to_old`, `to_new`: expressions (LowPassWeights); `before`: statements that they need.
 std::string prepare_pole(const std::string& id, const std::string& to_old, const std::string& to_new, const std::string& before = "");
 
+/// Statements that add `step` to what two floats hold together, c-><id>_hi and c-><id>_lo with `index` ("[k]" or nothing): a long time
+/// constant moves a state by less than the last bit of one.
+std::string add_to_pair(const std::string& id, const std::string& index, const std::string& step, const std::string& indent);
+
 inline double shape_of(const ModelEffect& e, std::size_t k) { return e.shape[k].value; }
 inline double strength_of(const ModelEffect& e, std::size_t k) { return e.strength[k].value; }
 

@@ -36,15 +36,13 @@ Result<CTerm> thermal(const ModelEffect& e, const CTermContext& x) {
   t.prepare = fmt::format(
       "  if (c->running) {{\n"
       "    const float y = c->{0}_hi;\n"
-      "    const float step = (k_{0}_old * (c->{0}_x - y) + k_{0}_new * (c->temperature_C - y)) + c->{0}_lo;\n"
-      "    const float sum = y + step;\n"
-      "    c->{0}_lo = step - (sum - y);\n"
-      "    c->{0}_hi = sum;\n"
+      "{2}"
       "  }} else {{\n"
       "    c->{0}_hi = {1};\n"
       "  }}\n"
       "  c->{0}_x = c->temperature_C;\n",
-      id, from_reference ? "k_" + id + "_T0" : "c->temperature_C");
+      id, from_reference ? "k_" + id + "_T0" : "c->temperature_C",
+      add_to_pair(id, "", fmt::format("(k_{0}_old * (c->{0}_x - y) + k_{0}_new * (c->temperature_C - y))", id), "    "));
   std::string warmer = fmt::format("(c->{0}_hi - k_{0}_T0)", id);
   if (std::abs(bend) > 1e-9) {
     t.constants += constant("k_" + id + "_bend", bend) + constant("k_" + id + "_per_bend", 1.0 / bend) +
