@@ -10,6 +10,7 @@
 #include "hil/base/text.h"
 #include "hil/gate/calibrate.h"
 #include "hil/rig/bench_session.h"
+#include "hil/rig/force_watch.h"
 #include "hil/rig/slow_move.h"
 #include "rigs/emulated/twins/client.h"
 
@@ -21,47 +22,69 @@ constexpr double kSpeed_rad_per_s = 0.5;
 constexpr double kUsableTravel = 0.95;
 constexpr double kLow_rad = 0.1;
 
-/// Lets a moment pass; `seen`: the readings that have come meanwhile.
+Result<void> go_on(const CalibrateRequest& q) {
+  if (q.stop == nullptr || !q.stop->load()) return {};
+  return fail(ErrorCode::cancelled, "interrupted", q.bench.string());
+}
+
+class Mean {
+ public:
+  void add(const std::vector<ReferenceReading>& seen) {
+    for (const ReferenceReading& r : seen) {
+      const auto force_N = static_cast<double>(r.force_N);
+      ++n_;
+      sum_ += force_N;
+      squares_ += force_N * force_N;
+    }
+  }
+  Result<CalibrationPoint> point(double x) const {
+    if (n_ < 10) return fail(ErrorCode::timeout, "the reference gives too few readings", "reference", "check its cable");
+    const auto n = static_cast<double>(n_);
+    return CalibrationPoint{x, sum_ / n, std::sqrt(std::max(0.0, (squares_ - sum_ * sum_ / n) / (n - 1.0))), n_};
+  }
+
+ private:
+  std::size_t n_ = 0;
+  double sum_ = 0.0, squares_ = 0.0;
+};
+
+/// Lets a moment pass on a bench on which nothing moves; `seen`: the readings that have come meanwhile.
 Result<void> look(BenchSession& s, const CalibrateRequest& q, std::vector<ReferenceReading>& seen) {
-  if (q.stop != nullptr && q.stop->load()) return fail(ErrorCode::cancelled, "interrupted", q.bench.string());
+  FORCEGATE_CHECK_OK(go_on(q));
   FORCEGATE_CHECK_OK(s.world().advance_to(s.world().now_s() + kLook_s));
-  s.beat();
-  if (s.armed()) FORCEGATE_CHECK_OK(s.motor().read());
   seen.clear();
   return s.reference().poll(seen);
 }
 
-/// Mean of the readings of the next seconds; an invalid one ends it.
-Result<CalibrationPoint> average(BenchSession& s, const CalibrateRequest& q, double x, double seconds) {
-  CalibrationPoint point{x, 0.0, 0.0, 0};
-  double sum = 0.0, squares = 0.0;
+/// A load that has just been laid on may have knocked the reference: only what comes after it has settled counts, and there an invalid reading
+/// ends it.
+Result<CalibrationPoint> weigh(BenchSession& s, const CalibrateRequest& q, double force_N) {
   std::vector<ReferenceReading> seen;
-  FORCEGATE_CHECK_OK(s.reference().poll(seen));  // what has come before
-  const double until_s = s.world().now_s() + seconds;
+  const double settled_s = s.world().now_s() + q.settle_s, until_s = settled_s + q.seconds;
+  while (s.world().now_s() < settled_s) FORCEGATE_CHECK_OK(look(s, q, seen));
+  Mean mean;
   while (s.world().now_s() < until_s) {
     FORCEGATE_CHECK_OK(look(s, q, seen));
-    for (const ReferenceReading& r : seen) {
-      if (r.status != 0)
-        return fail(ErrorCode::device, "the reference reports an overload or a fault", "reference",
-                    "take the load off and look at it");
-      ++point.n;
-      sum += static_cast<double>(r.force_N);
-      squares += static_cast<double>(r.force_N) * static_cast<double>(r.force_N);
-    }
+    if (std::ranges::any_of(seen, [](const ReferenceReading& r) { return r.status != 0; }))
+      return fail(ErrorCode::device, "the reference reports an overload or a fault", "reference", "take the load off and look at it");
+    mean.add(seen);
   }
-  if (point.n < 10)
-    return fail(ErrorCode::timeout, "the reference gives too few readings", "reference", "check its cable");
-  const auto n = static_cast<double>(point.n);
-  point.y = sum / n;
-  point.s = std::sqrt(std::max(0.0, (squares - sum * sum / n) / (n - 1.0)));
-  return point;
+  return mean.point(force_N);
 }
 
-Result<void> settle(BenchSession& s, const CalibrateRequest& q) {
-  const double until_s = s.world().now_s() + q.settle_s;
-  std::vector<ReferenceReading> ignored;
-  while (s.world().now_s() < until_s) FORCEGATE_CHECK_OK(look(s, q, ignored));
-  return {};
+/// The spring's force where the armed wheel stands, under watch, after it has settled.
+Result<CalibrationPoint> stand(BenchSession& s, const CalibrateRequest& q) {
+  ForceWatch watch(s);
+  Mean mean;
+  MotorState state;
+  const double settled_s = s.world().now_s() + q.settle_s, until_s = settled_s + q.seconds;
+  while (s.world().now_s() < until_s) {
+    FORCEGATE_CHECK_OK(go_on(q));
+    const bool settled = s.world().now_s() >= settled_s;
+    FORCEGATE_TRY(state, watch.look());
+    if (settled) mean.add(watch.readings());
+  }
+  return mean.point(s.bench().geometry.eccentricity_mm * (1.0 - portable::cos(state.theta_rad)));
 }
 
 }  // namespace
@@ -127,8 +150,7 @@ Result<Calibrated> calibrate_reference(const CalibrateRequest& q, const Guide& g
       FORCEGATE_CHECK_OK(guide(mass_g > 0.0 ? fmt::format("lay {} g on the reference", shortest(mass_g))
                                             : "take everything off the reference"));
     if (hand) FORCEGATE_CHECK_OK(hand->say(fmt::format("load {:.17g}", force_N)));
-    FORCEGATE_CHECK_OK(settle(*s, q));
-    FORCEGATE_TRY(const CalibrationPoint point, average(*s, q, force_N, q.seconds));
+    FORCEGATE_TRY(const CalibrationPoint point, weigh(*s, q, force_N));
     points.push_back(point);
   }
   if (hand) FORCEGATE_CHECK_OK(hand->say("load 0"));
@@ -180,11 +202,9 @@ Result<Calibrated> calibrate_spring(const CalibrateRequest& q) {
     const double goal =
         low_rad + (top_rad - low_rad) * static_cast<double>(step) / static_cast<double>(q.steps - 1);
     FORCEGATE_CHECK_OK(move_slowly(*s, {goal, kSpeed_rad_per_s, 0.01, q.stop}));
-    FORCEGATE_CHECK_OK(settle(*s, q));
-    FORCEGATE_TRY(const MotorState state, s->motor().read());
-    FORCEGATE_TRY(const CalibrationPoint point,
-                  average(*s, q, g.eccentricity_mm * (1.0 - portable::cos(state.theta_rad)), q.seconds));
-    points.push_back(point);
+    auto point = stand(*s, q);
+    if (!point) return Unexpected(made_safe(*s, point.error()));
+    points.push_back(*point);
   }
   FORCEGATE_CHECK_OK(move_slowly(*s, {low_rad, kSpeed_rad_per_s, 0.01, q.stop}));
   Calibrated out;
