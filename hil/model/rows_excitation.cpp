@@ -82,26 +82,60 @@ double instant_of_jump_s(const SteadySide& before, const SteadySide& after, doub
   return std::clamp(meet_s, earliest_s, latest_s);
 }
 
-// A jump, in a half period that belongs to neither side: the mean half period changes by more than 1.4 while both sides are steady within 25 %, over
-// four half periods on one side and three, one and a half cycles, on the other at least.
-void find_jumps(RecordInput& record, const std::vector<Extremum>& turns) {
-  constexpr std::size_t kSide = 4, kShortSide = 3;
+struct Jumps {
+  std::vector<std::size_t> at;  ///< half period that belongs to neither side
+  std::vector<double> t_s, log_ratio;
+};
+
+// The mean half period changes by more than 1.4 while both sides are steady within 25 %, over four half periods on one side and `fewest` on the
+// other at least.
+Jumps jumps_of(const std::vector<Extremum>& turns, std::span<const double> half, std::size_t fewest) {
+  constexpr std::size_t kSide = 4;
   constexpr double kSteady = 0.25, kJump = 1.4;
-  const std::vector<double> half = half_periods(turns);
+  Jumps out;
   double last_jump = -1e9;
-  for (std::size_t i = kShortSide; i + kShortSide + 1 <= half.size(); ++i) {
-    for (const auto& [before_n, after_n] : {std::pair{kSide, kSide}, std::pair{kSide, kShortSide}, std::pair{kShortSide, kSide}}) {
+  for (std::size_t i = fewest; i + fewest + 1 <= half.size(); ++i) {
+    for (const auto& [before_n, after_n] : {std::pair{kSide, kSide}, std::pair{kSide, fewest}, std::pair{fewest, kSide}}) {
       if (i < before_n || i + after_n + 1 > half.size()) continue;
       const SteadySide before = steady_side(turns, half, i - before_n, before_n), after = steady_side(turns, half, i + 1, after_n);
       const double ratio = std::log(before.half_period_s / after.half_period_s);
       if (std::abs(ratio) < std::log(kJump) || before.spread > kSteady || after.spread > kSteady) continue;
       if (turns[i].t_s - last_jump < 3.0 * std::max(before.half_period_s, after.half_period_s)) continue;
-      record.frequency_jumps_s.push_back(instant_of_jump_s(before, after, turns[i].t_s, turns[i + 1].t_s));
-      record.jump_log_ratio.push_back(ratio);
+      out.at.push_back(i);
+      out.t_s.push_back(instant_of_jump_s(before, after, turns[i].t_s, turns[i + 1].t_s));
+      out.log_ratio.push_back(ratio);
       last_jump = turns[i].t_s;
       break;
     }
   }
+  return out;
+}
+
+// Share of the half periods that are the usual one of their stretch between two jumps.
+double steady_share(std::span<const double> half, const Jumps& jumps) {
+  constexpr double kUsual = 0.2;
+  std::size_t usual = 0, from = 0;
+  for (std::size_t j = 0; j <= jumps.at.size(); ++j) {
+    const std::size_t to = j < jumps.at.size() ? jumps.at[j] : half.size();
+    const std::span<const double> stretch = half.subspan(from, to - from);
+    if (!stretch.empty()) {
+      const double middle_s = quantile(std::vector<double>(stretch.begin(), stretch.end()), 0.5);
+      usual += static_cast<std::size_t>(std::ranges::count_if(stretch, [&](double h) { return std::abs(h - middle_s) < kUsual * middle_s; }));
+    }
+    from = std::min(to + 1, half.size());
+  }
+  return static_cast<double>(usual) / static_cast<double>(std::max<std::size_t>(1, half.size() - jumps.at.size()));
+}
+
+// One and a half cycles are a dwell where the load is steady between its jumps; in a sum of sines three half periods are alike by chance.
+void find_jumps(RecordInput& record, const std::vector<Extremum>& turns) {
+  constexpr std::size_t kShortDwell = 3, kDwell = 4;
+  constexpr double kSteadyLoad = 0.8;
+  const std::vector<double> half = half_periods(turns);
+  Jumps jumps = jumps_of(turns, half, kShortDwell);
+  if (steady_share(half, jumps) < kSteadyLoad) jumps = jumps_of(turns, half, kDwell);
+  record.frequency_jumps_s = std::move(jumps.t_s);
+  record.jump_log_ratio = std::move(jumps.log_ratio);
 }
 
 // The usual one before the frequency first changes.

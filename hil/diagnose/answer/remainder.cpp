@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "hil/base/quantile.h"
+#include "hil/diagnose/answer/before_changes.h"
 #include "hil/diagnose/answer/coloured_noise.h"
 #include "hil/diagnose/answer/unresolved_edges.h"
 #include "hil/diagnose/raw/folded_hum.h"
@@ -25,16 +26,14 @@ struct AboveNoise {
   bool all = false;  // all together, or the typical one, or several very far: records whose noise is large must not hide what the others show
 };
 
-// A change of frequency is not counted: how the decay goes on after it differs from law to law.
-AboveNoise far_above_noise(const ResidualChannel& channel, const Workspace& w, const std::vector<std::vector<double>>& residual) {
+AboveNoise far_above_noise(const ResidualChannel& channel, const std::vector<std::vector<double>>& residual) {
   constexpr double kFar = kFarAboveNoise, kVeryFar = 5.0;
   constexpr int kSeveral = 2;
   AboveNoise out;
   int very_far = 0;
   double left = 0.0, noise = 0.0, log_ratio = 0.0, records = 0.0;
   for (std::size_t i = 0; i < residual.size(); ++i) {
-    const RecordInput& input = w.input.records[channel.record_of[i]];
-    if (residual[i].empty() || (input.dynamic && !input.frequency_jumps_s.empty())) continue;
+    if (residual[i].empty()) continue;
     const RecordGram& record = channel.problem.records[i];
     double square = 0.0;
     for (const double e : residual[i]) square += e * e;
@@ -110,6 +109,9 @@ Remainder remainder_of(const Workspace& w, const Selection& selection, unsigned 
     return kept;
   };
   const auto resolved = learnable(residual);
+  const auto above_noise = [&](const std::vector<std::vector<double>>& e) {
+    return far_above_noise(w.output, learnable(before_changes_of_frequency(w.input, w.output, e)));
+  };
   const Structure left = structure_of(w.output, resolved);
   out.structure_rms = left.rms;
   out.smooth = is_structure(left, out.noise_rms);
@@ -117,12 +119,12 @@ Remainder remainder_of(const Workspace& w, const Selection& selection, unsigned 
   out.coloured = is_coloured_noise(w.input, w.output, residual, out.maps);
   out.of_claimed = residual_rows(w.output, selection.claimed);
   if (!out.coloured) {
-    AboveNoise above = far_above_noise(w.output, w, resolved);
+    AboveNoise above = above_noise(residual);
     out.records_far_above = std::move(above.records);
     out.far_above = above.all;
     out.one_far_off = above.all && !w.input.single && out.records_far_above.front().rms > kLarge;
   }
-  const bool far_beside_claims = !out.coloured && far_above_noise(w.output, w, learnable(out.of_claimed)).all;
+  const bool far_beside_claims = !out.coloured && above_noise(out.of_claimed).all;
   out.beside_claims = (out.structured() && out.explained < kNearlyAll) || far_beside_claims;
   return out;
 }
