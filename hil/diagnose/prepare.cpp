@@ -286,6 +286,7 @@ void judge_samples(CampaignRows& w, OfRecords& of) {
   w.input.U_step_V = common_step_V(w.health);
   w.raw_claims = health_claims(w.health, w.scales, w.input.bench);
   if (std::string note = note_of_left_out(w.health, w.raw_claims); !note.empty()) w.input.notes.push_back(std::move(note));
+  if (std::string note = note_of_hum_taken_off(w.health, w.scales, w.raw_claims); !note.empty()) w.input.notes.push_back(std::move(note));
   add_sample_windows(of.cuts, w.raw_claims);
 }
 

@@ -70,8 +70,10 @@ Result<ModelComparison> compare_recordings(const CampaignRequest& request, Campa
   constexpr std::size_t kFewestOfOne = 200;  // usable rows that prepare() asks of a single recording
   const auto& records = rows.input.records;
   out.too_short = records.size() == 1 && static_cast<std::size_t>(std::ranges::count_if(records.front().ok, [](auto ok) { return ok != 0; })) < kFewestOfOne;
+  std::string of_samples = diagnose::note_of_claims(rows.raw_claims);
   FORCEGATE_TRY(std::unique_ptr<diagnose::Workspace> w, diagnose::prepare(std::move(rows), options));
   FORCEGATE_TRY(out.view, diagnose::compare_workspace(*w, options));
+  if (!of_samples.empty()) out.view.notes.push_back(std::move(of_samples));
   if (pictures) out.pictures = record_pictures(*w, model);
   return out;
 }

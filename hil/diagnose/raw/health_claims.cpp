@@ -1,5 +1,7 @@
 #include "hil/diagnose/raw/health_claims.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <optional>
 #include <utility>
@@ -74,6 +76,25 @@ std::string note_of_left_out(const std::vector<RecordHealth>& health, const std:
   add(repeated, " in blocks that were sent before");
   add(spikes, of_steps ? " that go back and forth between the same levels, as over a step of the converter" : " far off their neighbours");
   return std::string("samples of the output left out") + (of_steps ? ": " : ", too few for a finding: ") + what + " (" + where + ")";
+}
+
+std::string note_of_hum_taken_off(const std::vector<RecordHealth>& health, const HealthScales& scales, const std::vector<HealthClaim>& claims) {
+  constexpr std::size_t kNamed = 4;
+  if (std::ranges::find(claims, "hum", &HealthClaim::effect) != claims.end()) return {};
+  std::string where;
+  std::size_t records = 0;
+  for (const RecordHealth& h : health)
+    if (shows_hum(h, scales) && ++records <= kNamed)
+      where += fmt::format("{}{:.2g} {} at {:.3g} Hz of {}", where.empty() ? "" : ", ", h.hum_V, scales.unit, h.hum_Hz, h.record);
+  if (records == 0) return {};
+  if (records > kNamed) where += fmt::format(" and of {} more", records - kNamed);
+  return "hum taken off the output, in too few records for a finding: " + where;
+}
+
+std::string note_of_claims(const std::vector<HealthClaim>& claims) {
+  std::string out;
+  for (const HealthClaim& c : claims) out += (out.empty() ? "taken out of the samples before any fit, see diagnose: " : "; ") + c.effect + " (" + c.evidence + ")";
+  return out;
 }
 
 }  // namespace forcegate::diagnose

@@ -22,4 +22,10 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
 /// Which samples no fit uses although no claim speaks of them; empty: none.
 std::string note_of_left_out(const std::vector<RecordHealth>& health, const std::vector<HealthClaim>& claims);
 
+/// From which records hum was taken off although no claim speaks of it, and how much (amplitude); empty: from none.
+std::string note_of_hum_taken_off(const std::vector<RecordHealth>& health, const HealthScales& scales, const std::vector<HealthClaim>& claims);
+
+/// For whoever fits and does not diagnose: what the claims speak of is no part of the errors. Empty: there are none.
+std::string note_of_claims(const std::vector<HealthClaim>& claims);
+
 }  // namespace forcegate::diagnose

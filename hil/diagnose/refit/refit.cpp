@@ -380,10 +380,13 @@ Result<Refit> refit_rows(const CampaignRows& rows, const EngineOptions& options,
 
 Result<Refit> refit_campaign(Campaign campaign, const EngineOptions& options, const Model& start, const std::string& add) {
   FORCEGATE_TRY(const CampaignRows rows, take_rows(std::move(campaign), options));
-  if (!rows.input.single) return refit_rows(rows, options, start, add);
-  FORCEGATE_TRY(Refit stands, refit_rows(rows, with_one_zero(options), start, add));
-  FORCEGATE_TRY(Refit wanders, refit_rows(rows, options, start, add));
-  return one_zero_is_enough(stands.plain_after, wanders.plain_after, stands.floor) ? std::move(stands) : std::move(wanders);
+  FORCEGATE_TRY(Refit out, refit_rows(rows, rows.input.single ? with_one_zero(options) : options, start, add));
+  if (rows.input.single) {
+    FORCEGATE_TRY(Refit wanders, refit_rows(rows, options, start, add));
+    if (!one_zero_is_enough(out.plain_after, wanders.plain_after, out.floor)) out = std::move(wanders);
+  }
+  if (std::string note = note_of_claims(rows.raw_claims); !note.empty()) out.notes.push_back(std::move(note));
+  return out;
 }
 
 Result<Refit> refit_prepared_rows(const Workspace& w, const EngineOptions& options, const Model& start, const std::string& add) {
