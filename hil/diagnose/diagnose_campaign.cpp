@@ -14,6 +14,7 @@
 #include "hil/diagnose/choose/late_output.h"
 #include "hil/diagnose/engine.h"
 #include "hil/diagnose/one_zero.h"
+#include "hil/diagnose/partly_told.h"
 
 namespace forcegate::diagnose {
 
@@ -142,9 +143,7 @@ bool lacks_its_curve(const EngineOptions& options) {
   return std::ranges::any_of(options.model_effects, bends) && std::ranges::find(options.in_model, curve.name) == options.in_model.end();
 }
 
-}  // namespace
-
-Result<Diagnosed> diagnose_campaign_in(Campaign campaign, const EngineOptions& options) {
+Result<Diagnosed> diagnose_records(Campaign campaign, const EngineOptions& options) {
   FORCEGATE_TRY(CampaignRows rows, take_rows(std::move(campaign), options));
   const OpenContact open = has_witness_of_drive(rows.input) || lacks_its_curve(options) ? OpenContact{} : open_contact(rows.input);
   if (!open) return diagnose_all(std::move(rows), options);
@@ -154,6 +153,18 @@ Result<Diagnosed> diagnose_campaign_in(Campaign campaign, const EngineOptions& o
   if (!asks_for_closed_contact(out.diagnosis)) return out;
   // too few rows may be left to ask
   if (const Result<Diagnosed> while_closed = diagnose_all(std::move(closed), options)) judge_by_closed_contact(open, while_closed->diagnosis, out.diagnosis);
+  return out;
+}
+
+}  // namespace
+
+Result<Diagnosed> diagnose_campaign_in(Campaign campaign, const EngineOptions& options) {
+  std::vector<PartlyTold> partly = partly_told(campaign);
+  FORCEGATE_TRY(Diagnosed out, diagnose_records(std::move(campaign), options));
+  for (PartlyTold& part : partly) {
+    Result<Diagnosed> of_told = diagnose_records(part.told, options);  // too few may be left to ask
+    if (of_told && take_partly_told(part, out.diagnosis, of_told->diagnosis)) return of_told;
+  }
   return out;
 }
 

@@ -49,13 +49,17 @@ bool moves(const RecordInput& r) {
 }  // namespace
 
 void note_missing_facts(CampaignInput& campaign) {
+  const auto note_cause = [&](const Tells& tells, const char* what, const std::string& asked, const char* where_few) {
+    const std::vector<std::string> names = silent(campaign, tells);
+    const std::size_t all = campaign.records.size();
+    note(campaign, names, what, asked + (enough_tell(all - names.size(), all) ? " is asked of those alone that tell it" : where_few));
+  };
   if (drive_varies(campaign))
-    note(campaign, silent(campaign, [](const RecordInput& r) { return std::isfinite(r.drive_mean_V); }), "drive_V, as a key or a column",
-         "whether the output depends on the supply (bias) cannot be asked");
-  note(campaign, silent(campaign, [](const RecordInput& r) { return !r.temp_C.empty(); }), "temperature (temp_C), as a key or a column",
-       "that of the others is not used, and the effect of one (thermal) can be asked only as a course that nobody recorded");
-  note(campaign, silent(campaign, [](const RecordInput& r) { return !r.humidity.empty(); }), "humidity_pct, as a key or a column",
-       "that of the others is not used, and the effect of one (humidity) can be asked only as a course that nobody recorded");
+    note_cause([](const RecordInput& r) { return std::isfinite(r.drive_mean_V); }, "drive_V, as a key or a column",
+               "whether the output depends on the supply (bias)", " cannot be asked");
+  constexpr const char* kNotUsed = " can be asked only as a course that nobody recorded, and that of the others is not used";
+  note_cause([](const RecordInput& r) { return !r.temp_C.empty(); }, "temperature (temp_C), as a key or a column", "the effect of one (thermal)", kNotUsed);
+  note_cause([](const RecordInput& r) { return !r.humidity.empty(); }, "humidity_pct, as a key or a column", "the effect of one (humidity)", kNotUsed);
   if (campaign.mountings == 0)
     note(campaign, silent(campaign, [](const RecordInput& r) { return !r.mounting_name.empty(); }), "mounting",
          "between two different ones either may be its own, and the mountings that are declared are not used (mounting is asked as if none were)");
