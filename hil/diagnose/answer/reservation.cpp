@@ -59,9 +59,13 @@ struct Asked {
   bool is_blind_play() const { return f.effect == "backlash" && !w.input.has_theta; }
 };
 
+// A dead zone that ends beyond a quarter of the range is a bend.
 bool is_ordinary_curve(const Asked& a) {
   constexpr double kOrdinary = 8e-4;  // of the span, RMS: amplifiers, converters and references are bent by as much
-  return a.f.effect == "static_nonlinearity" && a.f.effect_rms < kOrdinary * a.channel.scale;
+  constexpr double kOfRange = 0.25;
+  const auto ends_far_up = [&](const FoundParameter& p) { return p.name == "F0_N" && p.value > kOfRange * a.w.input.range_N; };
+  const bool bends = a.f.effect == "static_nonlinearity" || (a.f.effect == "dead_zone" && std::ranges::any_of(a.f.parameters, ends_far_up));
+  return bends && a.f.effect_rms < kOrdinary * a.channel.scale;
 }
 
 bool is_ordinary_codes(const Asked& a) {
@@ -69,8 +73,11 @@ bool is_ordinary_codes(const Asked& a) {
   return a.f.effect == "adc_codes" && !a.f.of_samples() && a.f.effect_rms < kOrdinary * a.channel.scale;
 }
 
+// Of a course that is seen at many forces rounding leaves half of its own RMS, a 3.5th of a step.
 bool is_ordinary_zero(const Asked& a) {
-  return a.f.form == "as_rig_shows" && a.f.effect_rms * a.w.input.range_N / a.channel.scale < 0.5 * a.resolution_N();
+  constexpr double kOfZero = 0.5, kOfCourse = 0.15;  // of a step
+  const double steps = a.f.effect_rms * a.w.input.range_N / a.channel.scale / a.resolution_N();
+  return (a.f.form == "as_rig_shows" && steps < kOfZero) || (a.f.form == "course_over_rig" && steps < kOfCourse);
 }
 
 bool is_soft_rail(const Asked& a) {

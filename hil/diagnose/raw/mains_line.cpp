@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <complex>
 #include <numbers>
 #include <optional>
 #include <span>
 #include <utility>
 
 #include "hil/base/quantile.h"
+#include "hil/diagnose/raw/line_peak.h"
 
 namespace forcegate::diagnose {
 
@@ -23,17 +23,6 @@ constexpr double kSlowest_Hz = 24.0;
 // Noise alone puts the largest of three powers some two times above the median beside them: beyond four the force has a line of its own,
 // and the output must have three times as much.
 constexpr double kOfNoise = 4.0, kOfForce = 3.0;
-
-// A unit vector that turns by the same angle at every sample.
-struct Rotation {
-  explicit Rotation(double angle) : c(std::cos(angle)), s(std::sin(angle)) {}
-  void step() {
-    const double next = re * c - im * s;
-    im = re * s + im * c;
-    re = next;
-  }
-  double c, s, re = 1.0, im = 0.0;
-};
 
 // The same sample of every segment, side by side: their sums do not wait for each other.
 using Side = std::array<double, kMostSegments>;
@@ -139,121 +128,15 @@ Powers powers_of(const Line& line, double (Spectrum::*power)(std::size_t) const,
   return {at, quantile(beside, 0.5)};
 }
 
-// What a line is looked for in: the output less `force_V_per_N` times the force, 0 where the output alone shows more.
-struct Seen {
-  const std::vector<double>&F, &U;
-  double force_V_per_N;
-  double at(std::size_t i) const { return force_V_per_N == 0.0 ? U[i] : U[i] - force_V_per_N * F[i]; }
-};
-
-// Turned down by `f_Hz` and averaged over a second, four times a second: what is within a hertz of it.
-std::vector<std::complex<double>> around_line(const Seen& seen, double f_Hz, double rate_Hz) {
-  const auto length = static_cast<std::size_t>(rate_Hz), hop = std::max<std::size_t>(1, length / 4);
-  std::vector<double> window(length), y(seen.U.size());
-  for (std::size_t i = 0; i < length; ++i)
-    window[i] = 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * (static_cast<double>(i) + 0.5) / static_cast<double>(length));
-  for (std::size_t i = 0; i < y.size(); ++i) y[i] = std::isfinite(seen.at(i)) ? seen.at(i) : i > 0 ? y[i - 1] : 0.0;
-  std::vector<std::complex<double>> out;
-  for (std::size_t begin = 0; begin + length <= y.size(); begin += hop) {
-    double mean = 0.0;
-    for (std::size_t i = 0; i < length; ++i) mean += y[begin + i] / static_cast<double>(length);
-    Rotation phase(2.0 * std::numbers::pi * f_Hz / rate_Hz);
-    std::complex<double> sum = 0.0;
-    for (std::size_t i = 0; i < length; ++i, phase.step()) sum += window[i] * (y[begin + i] - mean) * std::complex(phase.re, -phase.im);
-    out.push_back(sum * std::polar(1.0, -2.0 * std::numbers::pi * std::fmod(f_Hz * static_cast<double>(begin) / rate_Hz, 1.0)));
-  }
-  return out;
-}
-
-struct Measured {
-  double off_Hz, resolution_Hz;
-};
-
-// Where the power beside `f_Hz` has its peak, to the resolution of the record or of a minute.
-Measured peak_beside(const Seen& seen, double f_Hz, double rate_Hz) {
-  constexpr double kFurthest_Hz = 0.75, kLongest_s = 64.0;
-  const std::vector<std::complex<double>> z = around_line(seen, f_Hz, rate_Hz);
-  const double step_s = static_cast<double>(std::max<std::size_t>(1, static_cast<std::size_t>(rate_Hz) / 4)) / rate_Hz;
-  const std::size_t length = std::min(z.size(), static_cast<std::size_t>(kLongest_s / step_s));
-  if (length < 2) return {0.0, kFurthest_Hz};
-  const double resolution_Hz = 1.0 / (static_cast<double>(length) * step_s);
-  Measured out{0.0, resolution_Hz};
-  double most = -1.0;
-  const auto steps = static_cast<int>(4.0 * kFurthest_Hz / resolution_Hz);
-  for (int k = -steps; k <= steps; ++k) {
-    const double off_Hz = 0.25 * resolution_Hz * k;
-    double power = 0.0;
-    for (std::size_t begin = 0; begin + length <= z.size(); begin += std::max<std::size_t>(1, length / 2)) {
-      Rotation phase(2.0 * std::numbers::pi * off_Hz * step_s), hann(2.0 * std::numbers::pi / static_cast<double>(length));
-      std::complex<double> sum = 0.0;
-      for (std::size_t i = 0; i < length; ++i, phase.step(), hann.step()) sum += (0.5 - 0.5 * hann.re) * z[begin + i] * std::complex(phase.re, -phase.im);
-      power += std::norm(sum);
-    }
-    if (power > most) most = power, out.off_Hz = off_Hz;
-  }
-  return out;
-}
-
-// Mean power at a line and its ratio to what is beside it, in parts of some seconds.
-struct Standing {
-  double power = 0.0, ratio = 0.0;
-};
-
-Standing standing_at(const Seen& seen, double f_Hz, double rate_Hz) {
-  constexpr double kPart_s = 4.0;
-  constexpr std::size_t kParts = 8;
-  const std::size_t n = seen.U.size(), length = std::min(n, static_cast<std::size_t>(kPart_s * rate_Hz)), parts = std::min(kParts, n / length);
-  std::vector<double> power, ratio;
-  for (std::size_t k = 0; k < parts; ++k) {
-    const std::size_t from = k * (n - length) / std::max<std::size_t>(1, parts - 1);
-    const auto power_at = [&](double Hz) {
-      Rotation phase(2.0 * std::numbers::pi * Hz / rate_Hz), hann(2.0 * std::numbers::pi / static_cast<double>(length));
-      std::complex<double> sum = 0.0;
-      for (std::size_t i = 0; i < length; ++i, phase.step(), hann.step())
-        if (const double y = seen.at(from + i); std::isfinite(y)) sum += (0.5 - 0.5 * hann.re) * y * std::complex(phase.re, phase.im);
-      return std::norm(sum);
-    };
-    double at = 0.0;
-    for (const double by_Hz : {-0.25, 0.0, 0.25}) at = std::max(at, power_at(f_Hz + by_Hz));
-    std::vector<double> beside;
-    for (const double by_Hz : {-3.0, -2.25, -1.5, 1.5, 2.25, 3.0})
-      if (f_Hz + by_Hz > 1.0 && f_Hz + by_Hz < 0.5 * rate_Hz) beside.push_back(power_at(f_Hz + by_Hz));
-    power.push_back(at);
-    ratio.push_back(at / std::max(1e-300, quantile(std::move(beside), 0.5)));
-  }
-  return {quantile(std::move(power), 0.5), quantile(std::move(ratio), 0.5)};
-}
-
-// Whatever repeats f/n times a second, such as stick-slip, has a line there too, and the n-th is no stronger than the first and than those
-// before it (every second one may be missing). Lines that the mains themselves put there are no witnesses.
-bool is_harmonic_of_another(const Seen& seen, double f_Hz, double mains_Hz, double rate_Hz) {
-  constexpr int kHighest = 16, kOfMains = 8;
-  constexpr double kSame_Hz = 0.5;
-  const double own = standing_at(seen, f_Hz, rate_Hz).power;
-  for (int n = 2; n <= kHighest && f_Hz / n > kSlowestLine_Hz; ++n) {
-    bool of_mains = false;
-    for (int h = 1; h <= kOfMains; ++h) of_mains = of_mains || std::abs(f_Hz / n - folded_Hz(h * mains_Hz, rate_Hz)) < kSame_Hz;
-    if (of_mains) continue;
-    const Standing first = standing_at(seen, f_Hz / n, rate_Hz);
-    if (!(first.ratio > kPlainLine && first.power > own)) continue;
-    if (n <= 3) return true;
-    for (const int before : {n - 1, n - 2}) {
-      const Standing s = standing_at(seen, f_Hz * before / n, rate_Hz);
-      if (s.ratio > kPlainLine && s.power > own) return true;
-    }
-  }
-  return false;
-}
-
 // Grids keep to a twentieth of a hertz and the clocks of loggers to a thousandth.
 constexpr double kOfMains = 0.002;
 
 // The line itself, measured; nothing where it is not at the mains' own frequency, or a harmonic of something else's.
 std::optional<double> measured_Hz(const Seen& seen, const Line& line, double rate_Hz) {
-  const Measured peak = peak_beside(seen, line.frequency_Hz, rate_Hz);
+  const LinePeak peak = peak_beside(seen, line.frequency_Hz, rate_Hz);
   if (std::abs(peak.off_Hz) > kOfMains * line.harmonic * line.mains_Hz + peak.resolution_Hz) return std::nullopt;
   const double measured = line.frequency_Hz + peak.off_Hz, f_Hz = std::min(measured, rate_Hz - measured);
-  if (is_harmonic_of_another(seen, f_Hz, line.mains_Hz, rate_Hz)) return std::nullopt;
+  if (is_harmonic_of_another(seen, f_Hz, line.mains_Hz, rate_Hz) || is_of_load(seen, f_Hz, rate_Hz)) return std::nullopt;
   return f_Hz;
 }
 

@@ -55,9 +55,18 @@ double gain_of_record(const JointSquares& squares, const RecordScales& scales) {
   return tells ? *squares.gain_V_per_N() : scales.gain_V_per_N;
 }
 
+// The output as it is where it tells of the force: one that is held stands still whatever the force does.
+std::vector<double> telling_output(const std::vector<double>& U, const std::vector<std::uint8_t>& bad) {
+  std::vector<double> out = U;
+  for (std::size_t i = 0; i < out.size(); ++i)
+    if (bad[i] == static_cast<std::uint8_t>(BadSample::held) || bad[i] == static_cast<std::uint8_t>(BadSample::zero)) out[i] = std::numeric_limits<double>::quiet_NaN();
+  return out;
+}
+
+// After the bad samples are found.
 void measure_reference(const ForceAndOutput& samples, const RecordScales& scales, RecordHealth& out) {
   const JointSquares squares = joint_squares(samples.F_N(), samples.U_V());
-  out.scatter_F = reference_scatter(samples.t_s(), samples.F_N(), samples.U_V(),
+  out.scatter_F = reference_scatter(samples.t_s(), samples.F_N(), telling_output(samples.U_V(), out.bad),
                                     {.range_V = scales.U_range_V,
                                      .gain_V_per_N = gain_of_record(squares, scales),
                                      .noise_V = scales.noise_U_V,
@@ -78,7 +87,10 @@ void mark_missing(const std::vector<double>& U, SampleMarks& marks) {
     if (!std::isfinite(U[i])) marks.mark(i, BadSample::missing, 0.0);
 }
 
+// A line repeats itself: beside one as large as the noise an equal block says nothing.
 void mark_repeated(const ForceAndOutput& samples, const RecordScales& scales, SampleMarks& marks, RecordHealth& out) {
+  constexpr double kOfNoise = 0.5;
+  if (out.hum_ratio > kPlainLine && out.hum_V > kOfNoise * scales.noise_U_V) return;
   const std::vector<double>& U = samples.U_V();
   for (const RepeatedBlock& block : find_repeated_blocks(U, samples.F_N(), scales.lsb_U_V, scales.noise_U_V)) {
     ++out.repeated_blocks;
@@ -267,9 +279,9 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& campaign
   out.near_V = scales.near_V;
   out.top_V = largest(samples->U_V());
   count_missing(samples->F_N(), samples->U_V(), out);
-  measure_reference(*samples, scales, out);
-  find_bad_samples(*samples, scales, campaign.thrown, out);
   measure_hum(*samples, scales, out);
+  find_bad_samples(*samples, scales, campaign.thrown, out);
+  measure_reference(*samples, scales, out);
   return out;
 }
 
