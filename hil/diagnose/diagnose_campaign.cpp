@@ -6,6 +6,7 @@
 
 #include "hil/diagnose/answer/opened_contact.h"
 #include "hil/diagnose/answer/remainder.h"
+#include "hil/diagnose/answer/steady_line.h"
 #include "hil/diagnose/base/open_contact.h"
 #include "hil/diagnose/base/whole_recording.h"
 #include "hil/diagnose/base_errors.h"
@@ -30,6 +31,7 @@ Result<Diagnosed> diagnose_rows(CampaignRows rows, const EngineOptions& options)
 // Nothing is unknown in what the law with one zero describes to its noise, though a part may tell little of the others, such as the decay of
 // the first cycles.
 bool law_describes(const Workspace& with_one_zero, const EngineOptions& options) {
+  if (steady_line(with_one_zero)) return false;  // no noise, whatever stands between two rows
   std::vector<std::string> notes;
   const MixedFit base = base_model(with_one_zero, options, notes);
   return is_down_to_noise(with_one_zero.output, base) && follows_force(with_one_zero.output, base);

@@ -45,6 +45,12 @@ std::vector<const Finding*> suspicions_beside_none(const Diagnosis& d) {
   return out;
 }
 
+const Finding* open_name(const Diagnosis& d) {
+  if (d.verdict != DiagnosisVerdict::unknown || !d.not_separable.empty()) return nullptr;
+  const auto found = std::ranges::find_if(d.findings, [](const Finding& f) { return f.name_is_open && !f.claimed() && !f.in_model && f.probability >= kNoClaim; });
+  return found == d.findings.end() ? nullptr : &*found;
+}
+
 std::string beside_none(const Diagnosis& d) {
   constexpr std::size_t kNamed = 3;
   if (d.verdict != DiagnosisVerdict::none) return {};

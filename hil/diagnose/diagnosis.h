@@ -269,6 +269,10 @@ std::vector<const Finding*> suspicions_beside_none(const Diagnosis& diagnosis);
 /// What stands beside a "none" and is no claim, for people: suspicions, records far above their noise. Empty: nothing, or no "none".
 std::string beside_none(const Diagnosis& diagnosis);
 
+/// Of an unknown verdict without rivals that cannot be told apart: the finding that would explain what is there, and is not claimed since
+/// others would as well (Finding::name_is_open); null: there is none.
+const Finding* open_name(const Diagnosis& diagnosis);
+
 /// What was refused with evidence and does not stand among the findings: for people, who have read those.
 inline std::vector<RefusedEffect> refused_beside_findings(const Diagnosis& d) {
   std::vector<RefusedEffect> out;

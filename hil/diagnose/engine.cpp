@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/base/plain_number.h"
 #include "hil/diagnose/answer/capacitance_witness.h"
 #include "hil/diagnose/answer/claim_unloaded_zero.h"
 #include "hil/diagnose/answer/decay_course.h"
@@ -20,6 +21,7 @@
 #include "hil/diagnose/answer/remainder.h"
 #include "hil/diagnose/answer/reservation.h"
 #include "hil/diagnose/answer/sharper_output.h"
+#include "hil/diagnose/answer/steady_line.h"
 #include "hil/diagnose/answer/uneven_wheel.h"
 #include "hil/diagnose/answer/verdict.h"
 #include "hil/diagnose/answer/wide_scatter.h"
@@ -146,6 +148,17 @@ void tell_moving_zero(const Workspace& w, const MixedFit& fit, Diagnosis& out) {
   out.follows = {std::move(zero->follows)};
 }
 
+// The noise that everything is held against is taken from one row to the next, where such a line is noise.
+void tell_steady_line(const Workspace& w, Diagnosis& out) {
+  const std::optional<SteadyLine> line = steady_line(w);
+  if (!line) return;
+  if (out.verdict == DiagnosisVerdict::known) out.residual_unknown = true;
+  else out.verdict = DiagnosisVerdict::unknown;
+  if (std::ranges::find(out.depends_on, "time") == out.depends_on.end()) out.depends_on.emplace_back("time");
+  const PrintedUnit unit = printed_unit(w.output.unit);
+  out.follows.push_back(fmt::format("a line at {:.3g} Hz, {:.3g} {}, that the force does not have", line->frequency_Hz, unit.factor * line->amplitude_V, unit.name));
+}
+
 // A fault of the wheel's form moves sensor and reference alike: the rig's law alone shows it.
 void tell_uneven_wheel(const Workspace& w, const Selection& rig, Diagnosis& out) {
   if (std::ranges::any_of(out.findings, [](const Finding& f) { return f.claimed() && f.shown_in == ShownIn::rig; })) return;
@@ -203,6 +216,7 @@ void add_errors_of_samples(Diagnosis& out) {
     if (f.of_samples()) {
       f.error_before = out.error_before;
       f.error_after = out.error_after;
+      f.effect_rms = std::sqrt(std::max(0.0, f.error_before * f.error_before - f.error_after * f.error_after));
     }
 }
 
@@ -317,6 +331,7 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   tell_wide_scatter(w, selection, out);
   tell_moving_zero(w, selection.final, out);
   if (rig_is_judged(w, search)) tell_uneven_wheel(w, search.rig, out);
+  tell_steady_line(w, out);
   tell_sharper_output(w, selection, options.threads, out);
   tell_decay(w, selection.final, options.threads, out);
   add_refused(search, out);

@@ -150,4 +150,7 @@ bool is_available(const EffectKind& kind, const CampaignInput& campaign);
 
 const EffectForm* find_form(const EffectKind& kind, std::string_view form_name);
 
+/// A bank beside laws of the same family, with strengths of either sign: it takes up what a wrong form leaves, and is no law itself.
+inline bool soaks_up(const EffectKind& kind, const EffectForm& form) { return form.bank && kind.forms.size() > 1 && form.sign == StrengthSign::either; }
+
 }  // namespace forcegate

@@ -297,6 +297,8 @@ std::string diagnosis_headline(const Diagnosis& d) {
   if (d.verdict == Answer::none) return "Nothing is missing that these records can show" + (d.far_above.empty() ? std::string() : "; but " + beside_none(d));
   if (d.verdict == Answer::unknown && !d.not_separable.empty())
     return "Something is missing; these records cannot tell which: " + join(d.not_separable.front(), " or ");
+  if (const Finding* open = open_name(d); open != nullptr)
+    return "Something is missing; " + open->effect + " would explain it and is not claimed" + (d.follows.empty() ? std::string() : "; it follows " + join(d.follows, " and "));
   if (d.verdict == Answer::unknown)
     return "Something is missing that no listed effect explains" +
            (!d.follows.empty()      ? "; it follows " + join(d.follows, " and ")

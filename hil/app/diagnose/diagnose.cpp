@@ -110,6 +110,8 @@ std::string diagnosis_text(const Diagnosis& d) {
   } else if (d.verdict == DiagnosisVerdict::unknown && !d.not_separable.empty()) {
     out += "verdict: something is missing, and these records cannot tell which: " +
            join(d.not_separable.front(), " or ") + "\n";
+  } else if (const Finding* open = open_name(d); open != nullptr) {
+    out += "verdict: something is missing; " + open->effect + " would explain it and is not claimed" + it_follows + "\n";
   } else if (d.verdict == DiagnosisVerdict::unknown) {
     out += "verdict: structure remains that no effect of the library explains" +
            (d.depends_on.empty() ? "" : "; it depends on " + join(d.depends_on, ", ")) +

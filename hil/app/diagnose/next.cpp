@@ -56,6 +56,9 @@ std::string without_segments(const Diagnosis& d) {
   }
   // open all the same, and no segment is of use
   if (!d.next_experiment.sentence.empty()) return d.next_experiment.sentence + "\n" + which_plan(d);
+  if (const Finding* open = open_name(d); open != nullptr)
+    return "something is missing; " + open->effect + " would explain it and is not claimed" +
+           (open->reservations.empty() ? "" : ": " + open->reservations.back().why) + "\nwhat would settle it:\n  " + open->effect + ": " + what_parts(open->effect) + "\n" + which_plan(d);
   if (d.verdict == DiagnosisVerdict::unknown)
     return "structure remains that no effect of the library explains, so none competes" +
            (d.depends_on.empty() ? "" : "; it depends on " + join(d.depends_on, ", ")) +

@@ -18,9 +18,11 @@ std::string told(const std::string& effect, const ModelParameter& p) {
   return effect + "." + p.name + " = " + with_uncertainty(p.value, p.se) + (p.unit.empty() || p.unit == "1" ? "" : " " + p.unit);
 }
 
-void tell_strengths(const std::string& effect, const std::vector<const ModelParameter*>& strengths, WeakAddition& out) {
-  const auto is_none = [](const ModelParameter* p) { return p->se > 0.0 && std::abs(p->value) <= kWithin * p->se; };
-  if (strengths.empty() || !std::ranges::all_of(strengths, is_none)) return;
+// Those that were not fitted say nothing. Several that go together are each unsure where their sum is plain: the error says so.
+void tell_strengths(const std::string& effect, std::vector<const ModelParameter*> strengths, bool error_falls, WeakAddition& out) {
+  std::erase_if(strengths, [](const ModelParameter* p) { return !(p->se > 0.0); });
+  if (strengths.empty() || (strengths.size() > 1 && error_falls)) return;
+  if (!std::ranges::all_of(strengths, [](const ModelParameter* p) { return std::abs(p->value) <= kWithin * p->se; })) return;
   out.is_shown = false;
   std::vector<std::string> values;
   for (const ModelParameter* p : strengths) values.push_back(told(effect, *p));
@@ -62,16 +64,17 @@ WeakAddition weak_addition(const diagnose::Refit& r, const std::string& added) {
       tell_shape(added, p, reach.low, reach.high, "write another value or wider bounds, or another equation", out);
     }
   }
-  tell_strengths(added, strengths, out);
   constexpr double kHardly = 0.98;
-  if (diagnose::lowers_error(r.error_before, r.error_after) && r.error_after > kHardly * r.error_before && r.plain_after >= r.plain_before) {
+  const bool falls = r.error_after <= kHardly * r.error_before;
+  tell_strengths(added, strengths, falls, out);
+  if (!falls && r.plain_after >= r.plain_before) {
     out.is_shown = false;
     const PrintedUnit unit = printed_unit(r.waterfall.unit);
-    out.warnings.push_back(
+    if (diagnose::lowers_error(r.error_before, r.error_after)) out.warnings.push_back(
         fmt::format("the error hardly falls ({:.4g} -> {:.4g} {}), and with one gain, offset and decay for all records it does not at all",
                     unit.factor * r.error_before, unit.factor * r.error_after, unit.name));
   }
-  if (!out.is_shown) out.warnings.emplace_back("leave " + added + " out: the model before describes these records as well; records that move it more may show it");
+  if (!out.is_shown && !out.warnings.empty()) out.warnings.emplace_back("leave " + added + " out: the model before describes these records as well; records that move it more may show it");
   return out;
 }
 

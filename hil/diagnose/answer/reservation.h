@@ -60,7 +60,7 @@ inline constexpr std::array kCaps = {
     CapRow{Cap::bump_that_stays, "bump_that_stays", kNoClaim, "it is not seen to fade back: a gain that goes with the frequency leaves the same", true},
     CapRow{Cap::skew_of_sweep, "skew_of_sweep", kNoClaim, "the force goes faster and faster: a shift that grows with its frequency, as a mass or a filter makes, looks the same", true},
     CapRow{Cap::sagging_heat, "sagging_heat", kNoClaim,
-           "a warm film conducts better, and this gain falls while the load lasts: a stage that leaks, tracks its zero or levels its gain does that too; two drive voltages would tell"},
+           "a warm film conducts better, and this gain falls while the load lasts: a stage that leaks, tracks its zero or levels its gain does that too; two drive voltages would tell", true},
     CapRow{Cap::helps_few, "helps_few", kNoClaim, "a law of the sensor or an instrument helps wherever it acts, and this one misses more than a quarter of it", true},
     CapRow{Cap::curve_of_loop, "curve_of_loop", kNoClaim,
            "a loop that is wider at one end of the force has a curve of its own: it is asked again once the loop is in the model"},

@@ -229,6 +229,28 @@ bool sit_at_fixed_levels(const LoneSpikes& spikes) {
   return visited < 0.25 * n_all;
 }
 
+namespace {
+
+// A bit that is clear goes up and one that is set goes down: which it is changes every `bit_V` of the level, from a zero of the codes that nobody
+// told.
+bool turn_as_bit_stands(const LoneSpikes& spikes, double bit_V) {
+  constexpr int kZeros = 40;
+  constexpr double kMost = 0.8;
+  double best = 0.0;
+  for (int zero = 0; zero < kZeros; ++zero) {
+    double agree = 0.0;
+    for (std::size_t k = 0; k < spikes.at.size(); ++k) {
+      const double periods = spikes.level_V[k] / (2.0 * bit_V) + static_cast<double>(zero) / kZeros;
+      const bool is_set = periods - std::floor(periods) >= 0.5, falls = spikes.U[spikes.at[k]] < spikes.level_V[k];
+      agree += is_set == falls ? 1.0 : 0.0;
+    }
+    best = std::max(best, agree);
+  }
+  return best >= kMost * static_cast<double>(spikes.at.size());
+}
+
+}  // namespace
+
 double common_bit_V(const LoneSpikes& spikes, double range_V, double span_V) {
   constexpr std::size_t kEnough = 12;
   constexpr double kMostOfSpan = 4.0;
@@ -244,7 +266,7 @@ double common_bit_V(const LoneSpikes& spikes, double range_V, double span_V) {
   if (static_cast<double>(same) < 0.7 * static_cast<double>(jump.size())) return 0.0;
   // what always reads the same value has a step of its own at every level: a code that stands for an error
   const auto spread = [](const std::vector<double>& x) { return quantile(x, 0.85) - quantile(x, 0.15); };
-  if (spread(value) < 0.5 * spread(jump)) return 0.0;
+  if (spread(value) < 0.5 * spread(jump) || !turn_as_bit_stands(spikes, size)) return 0.0;
   if (!std::isfinite(range_V)) return size < kMostOfSpan * span_V ? size : 0.0;
   const double bits = std::log2(range_V / size);
   return bits > 0.5 && std::abs(bits - std::round(bits)) < 0.12 ? size : 0.0;

@@ -26,8 +26,8 @@ struct LoneSpikes {
 /// fifths of them are hardly visited otherwise.
 bool sit_at_fixed_levels(const LoneSpikes& spikes);
 
-/// Size of the one bit that spikes turn over: most have the same size, at any level, and it is a binary fraction of the range, half of it at
-/// most. 0: none. `range_V`: of the converter, infinite where it is not declared; then four times the span of the output at most.
+/// Size of the one bit that spikes turn over: most have the same size, at any level, it is a binary fraction of the range, half of it at
+/// most, and they go up where the bit is clear and down where it is set. 0: none. `range_V`: of the converter, infinite where it is not declared; then four times the span of the output at most.
 double common_bit_V(const LoneSpikes& spikes, double range_V, double span_V);
 
 /// Whether nearly all of them come alone and leave the output, beside the force, on the side where it was: at a step of the converter's curve the output goes over

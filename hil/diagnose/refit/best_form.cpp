@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "hil/base/text.h"
 #include "hil/diagnose/between/between_records.h"
@@ -80,6 +81,26 @@ std::optional<VariantScore> best_within(Workspace& w, const EffectKind& kind, co
   channel.candidates.back().shape = shape;
   fill_candidate(w.input, channel, channel.candidates.back(), threads);
   return score_of(tried);
+}
+
+double left_by(const VariantScore& score) { return std::accumulate(score.fit.adapted.begin(), score.fit.adapted.end(), 0.0); }
+
+// The bank of a diagnosis is nothing that a model says or a firmware undoes: a law that leaves hardly more takes its place.
+void prefer_law(Workspace& w, const std::vector<int>& present, const MixedFit& base, unsigned threads, FamilyScore& family) {
+  constexpr double kHardlyMore = 1.04;  // mean square
+  ResidualChannel& channel = w.output;
+  if (!soaks_up(*family.kind, *candidate_of(channel, family.best.variant).form)) return;
+  FamilyScore law;
+  law.kind = family.kind;
+  for (std::size_t v = 0; v < channel.variants.size(); ++v) {
+    const Candidate& c = candidate_of(channel, static_cast<int>(v));
+    if (c.kind != family.kind || !c.form->competes() || c.form->last || soaks_up(*c.kind, *c.form)) continue;
+    VariantScore score = score_variant(channel, present, base, static_cast<int>(v), nullptr);
+    if (score.fit.valid && score.gain > law.best.gain) law.best = std::move(score);
+  }
+  if (!law.best.fit.valid) return;
+  refine_family(w.input, channel, present, base, law, threads);
+  if (!is_nonsense(channel, law.best) && left_by(law.best) < kHardlyMore * left_by(family.best)) family.best = std::move(law.best);
 }
 
 // What the bounds turned away at every point of the grid may be within them beyond its end: there the strength makes up for the shape.
@@ -172,6 +193,7 @@ Result<VariantScore> best_form(Workspace& w, const std::string& name, const std:
   ScreenResult result = screen_alone(w.output, present, others, warm, threads);
   if (!result.families.empty()) {
     refine_family(w.input, w.output, present, result.base, result.families.front(), threads);
+    prefer_law(w, present, result.base, threads, result.families.front());
     if (!is_nonsense(w.output, result.families.front().best)) return std::move(result.families.front().best);
     if (std::optional<VariantScore> within = best_within(w, kind, present, result.base, threads)) return *std::move(within);
   }

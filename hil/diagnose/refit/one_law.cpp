@@ -176,9 +176,8 @@ class Fitter {
 std::vector<Chosen> variants_of(const EffectKind& kind, const std::vector<Chosen>& beside, const CampaignInput& input) {
   std::vector<Chosen> out;
   for (const EffectForm& form : kind.forms) {
-    // the widest banks exist to soak up remains, not to be a law
     if (form.outlasts) continue;  // a firmware does not know what was before it
-    if (form.bank && kind.forms.size() > 1 && form.sign == StrengthSign::either) continue;
+    if (soaks_up(kind, form)) continue;
     if (!form.beside.empty() && std::ranges::none_of(beside, [&](const Chosen& c) { return c.kind->name == form.beside; })) continue;
     for (std::vector<double>& shape : form.grid(input)) out.push_back({&kind, &form, std::move(shape)});
   }

@@ -56,5 +56,28 @@ TEST(WeakAddition, AGainThatFollowsTheTemperatureAtOnceIsNoWonder) {
   EXPECT_THAT(warned(form->shape.front().maximum), ElementsAre(HasSubstr("lies at an end")));
 }
 
+// Columns that are nearly the same share one strength, and none of them is sure of its part.
+TEST(WeakAddition, SeveralUnsureStrengthsThatLowerTheErrorAreShown) {
+  const EffectKind* curve = EffectRegistry::instance().find("static_nonlinearity");
+  ASSERT_NE(curve, nullptr);
+  const EffectForm* form = find_form(*curve, "polynomial");
+  ASSERT_NE(form, nullptr);
+  for (const bool falls : {true, false}) {
+    diagnose::Refit r;
+    r.model.effects = {model_effect(*curve, *form, {}, std::vector<Estimate>(form->strength.size(), Estimate{0.1, 0.06}))};
+    r.error_before = r.plain_before = 0.0258;
+    r.error_after = r.plain_after = falls ? 0.0031 : 0.0257;
+    const WeakAddition w = weak_addition(r, "static_nonlinearity");
+    EXPECT_EQ(w.is_shown, falls);
+    EXPECT_EQ(w.warnings.empty(), falls);
+  }
+}
+
+TEST(WeakAddition, WithoutAnErrorThatFallsNothingIsShown) {
+  const WeakAddition w = weak_addition(refit(0.06, 0.0002, 1.4, 0.0179, 0.0847), "mine");
+  EXPECT_FALSE(w.is_shown);
+  EXPECT_THAT(w.warnings, IsEmpty()) << "add says that the error did not fall";
+}
+
 }  // namespace
 }  // namespace forcegate

@@ -60,5 +60,21 @@ TEST(Excitation, ChangesOfFrequencyAreDatedWithinTheirHalfPeriod) {
   EXPECT_NEAR(record.jump_log_ratio[1], std::log(4.0), 0.03);
 }
 
+// Three half periods are alike now and then, and no dwell.
+TEST(Excitation, ASumOfSinesHasNoChangeOfFrequency) {
+  for (const double phase : {0.0, 1.0, 2.0, 3.0}) {
+    const auto force = [&](double t) {
+      return 2.5 + std::sin(2.0 * std::numbers::pi * 0.1 * t + phase) + 0.7 * std::sin(2.0 * std::numbers::pi * 0.37 * t + 2.0 * phase) +
+             0.3 * std::sin(2.0 * std::numbers::pi * 1.1 * t + 3.0 * phase);
+    };
+    Campaign c;
+    c.records.push_back(test::record("hand", "", 300, 0, force, [](double, double F) { return 2.0 * F; }));
+    c.records.front().dynamic = true;
+    const auto input = make_campaign_input(c);
+    ASSERT_TRUE(input) << input.error().to_text();
+    EXPECT_TRUE(input->records[0].frequency_jumps_s.empty()) << phase;
+  }
+}
+
 }  // namespace
 }  // namespace forcegate

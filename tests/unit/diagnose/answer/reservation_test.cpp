@@ -269,5 +269,49 @@ TEST(Reservation, ACurveThatIsSmallerThanWrongCodesIsTheirs) {
   EXPECT_TRUE(beside_smaller[0].claimed()) << "the codes stay";
 }
 
+double curve_of(const char* effect, double from_N, double rms_V) {
+  Workspace w;
+  w.input.range_N = 4.0;
+  ResidualChannel channel;
+  channel.scale = 8.0;
+  Finding f;
+  f.effect = effect;
+  f.probability = 0.98;
+  f.effect_rms = rms_V;
+  f.parameters = {{"F0_N", from_N, 0.01, "N"}};
+  reserve(w, channel, MixedFit{}, f);
+  return f.probability;
+}
+
+TEST(Reservation, ADeadZoneThatEndsFarUpIsABend) {
+  EXPECT_LT(curve_of("dead_zone", 2.7, 0.003), 0.5);
+  EXPECT_EQ(curve_of("dead_zone", 0.2, 0.003), 0.98) << "few rows lie below it";
+  EXPECT_EQ(curve_of("dead_zone", 2.7, 0.02), 0.98);
+  EXPECT_LT(curve_of("static_nonlinearity", 0.2, 0.003), 0.5);
+}
+
+// Of the reference over the rig's law, in newtons; it resolves 0.02 N.
+double zero_of(const char* form, double rms_N) {
+  Workspace w;
+  w.input.range_N = 4.0;
+  w.input.bench.reference_resolution_N = 0.02;
+  ResidualChannel channel;
+  channel.scale = 8.0;
+  Finding f;
+  f.effect = "reference_drift";
+  f.form = form;
+  f.probability = 0.98;
+  f.effect_rms = 2.0 * rms_N;
+  reserve(w, channel, MixedFit{}, f);
+  return f.probability;
+}
+
+TEST(Reservation, WhatRoundingLeavesOfTheReferenceIsNoDriftOfIt) {
+  EXPECT_LT(zero_of("as_rig_shows", 0.009), 0.5);
+  EXPECT_EQ(zero_of("as_rig_shows", 0.011), 0.98);
+  EXPECT_LT(zero_of("course_over_rig", 0.002), 0.5) << "levels that are held, each rounded";
+  EXPECT_EQ(zero_of("course_over_rig", 0.005), 0.98);
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose

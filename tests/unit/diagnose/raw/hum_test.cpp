@@ -216,5 +216,55 @@ TEST(Hum, FoldedOntoTheSlowIsNoStructureToLearnFrom) {
   }
 }
 
+// |sin| of a load of 1 Hz, sampled at 50 a second: its lines stand every 2 Hz, 20 Hz among them, onto which 120 Hz fold.
+TEST(Hum, ALineOfTheLoadIsNone) {
+  for (const double load_Hz : {0.5, 1.0, 2.0}) {
+    Rng rng(6, "load");
+    std::vector<double> t_s, F_N, U_V;
+    for (int i = 0; i < 6000; ++i) {
+      t_s.push_back(i / 50.0);
+      F_N.push_back(2.0 + 1.5 * std::cos(kTurn * load_Hz * t_s.back()));
+      U_V.push_back(0.4 * F_N.back() + 0.1 * std::abs(std::sin(kTurn * load_Hz * t_s.back())) + 1e-5 * rng.normal());
+    }
+    EXPECT_LT(find_mains_line(t_s, F_N, U_V, 0.4).ratio, kPlainLine) << load_Hz;
+    for (std::size_t i = 0; i < U_V.size(); ++i) U_V[i] = 0.4 * F_N[i] + 0.01 * std::sin(kTurn * 120.0 * t_s[i]) + 0.002 * rng.normal();
+    EXPECT_GT(find_mains_line(t_s, F_N, U_V, 0.4).ratio, kPlainLine) << "a whole multiple of the load as well, and alone there";
+  }
+}
+
+// Five samples are two periods of 100 Hz: between two codes they come again and again, and no buffer was read twice.
+TEST(Hum, ThatComesAgainAtEveryFifthSampleIsNoBlockSentAgain) {
+  Campaign c = make_campaign(68, straight);
+  for (Record& r : c.records) {
+    auto& clock = r.trace.time_bases[0].t_s;
+    auto& F = r.trace.find("F_ref")->value;
+    auto& U = r.trace.find("U")->value;
+    Rng rng(9, r.name);
+    for (std::size_t i = 0; i < clock.size(); ++i) {
+      clock[i] = static_cast<double>(i) / 250.0;
+      F[i] = 0.4 + 0.5 * std::floor(clock[i] / 12.0);
+      U[i] = 0.02 * std::round((2.0 * F[i] + 0.2 + 0.15 * std::sin(kTurn * 100.0 * clock[i]) + 0.008 * rng.normal()) / 0.02);
+    }
+  }
+  for (const HealthClaim& claim : claims_of_samples(c)) EXPECT_EQ(claim.effect, "hum") << claim.evidence;
+}
+
+// The mains in one record and their rectifier in the other are one supply.
+TEST(Hum, OfTheMainsInOneRecordAndOfTheirRectifierInTheOtherIsHum) {
+  for (const double second_Hz : {100.0, 120.0}) {
+    Campaign c = make_campaign(69, straight);
+    c.records.resize(2);
+    for (std::size_t k = 0; k < 2; ++k) {
+      auto& clock = c.records[k].trace.time_bases[0].t_s;
+      auto& U = c.records[k].trace.find("U")->value;
+      for (std::size_t i = 0; i < clock.size(); ++i) {
+        clock[i] = static_cast<double>(i) / 256.0;
+        U[i] += 0.08 * std::sin(kTurn * (k == 0 ? 50.0 : second_Hz) * clock[i]);
+      }
+    }
+    EXPECT_EQ(claims_of_samples(c).size(), second_Hz == 100.0 ? 1U : 0U) << second_Hz;
+  }
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose

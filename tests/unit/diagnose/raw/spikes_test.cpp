@@ -189,5 +189,24 @@ TEST(Spikes, WhatGoesBackAndForthOverStepsOfTheConverterIsNoSpikes) {
   for (const HealthClaim& claim : claims_of_samples(c)) EXPECT_NE(claim.effect, "outliers") << claim.evidence;
 }
 
+// A bit goes up where it is clear and down where it is set.
+TEST(Spikes, OfOneSizeAndEitherSignAreABitWhereTheSignGoesWithTheLevel) {
+  for (const bool of_bit : {true, false}) {
+    Campaign c = make_campaign(83, straight);
+    c.bench.voltage_min_V = c.bench.voltage_max_V = std::numeric_limits<double>::quiet_NaN();
+    Rng rng(83, "sign");
+    for (Record& r : c.records) {
+      auto& U = r.trace.find("U")->value;
+      for (std::size_t i = 433; i < U.size(); i += 701) {
+        const bool is_set = of_bit ? std::fmod(U[i], 1.6) >= 0.8 : rng.uniform() < 0.5;
+        U[i] += is_set ? -0.8 : 0.8;
+      }
+    }
+    const std::vector<HealthClaim> claims = claims_of_samples(c);
+    ASSERT_EQ(claims.size(), 1u);
+    EXPECT_EQ(claims[0].effect, of_bit ? "adc_codes" : "outliers");
+  }
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose

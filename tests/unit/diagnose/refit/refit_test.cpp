@@ -307,5 +307,24 @@ TEST(Refit, OneLawForetellsARampFromCyclesOfSeveralFrequencies) {
   EXPECT_LT(fitted->plain_before, 0.015);
 }
 
+// One recording without a decay: the columns of the bank are pairs of the same, none of them is sure, and no firmware undoes it.
+TEST(Refit, OfABentCurveTakesALawAndNotTheBank) {
+  const Campaign bent = recording(
+      50.0, 15000, [](double t) { return 2.5 + std::sin(0.628 * t) + 0.7 * std::sin(2.32 * t) + 0.3 * std::sin(6.9 * t); },
+      [](const std::vector<double>&, const std::vector<double>& x) {
+        std::vector<double> y;
+        for (const double f : x) y.push_back(0.5 * f + 0.1 + 0.03 * (f - 2.5) * (f - 2.5));
+        return y;
+      },
+      0.003);
+  const auto added = refit(bent, "static_nonlinearity");
+  ASSERT_TRUE(added) << added.error().to_text();
+  ASSERT_EQ(added->model.effects.size(), 1U);
+  const EffectKind* kind = EffectRegistry::instance().find("static_nonlinearity");
+  EXPECT_FALSE(soaks_up(*kind, *find_form(*kind, added->model.effects.front().form))) << added->model.effects.front().form;
+  EXPECT_LT(added->error_after, 0.15 * added->error_before);
+  EXPECT_LT(added->error_after, 1.1 * added->floor);
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose
