@@ -37,6 +37,7 @@ Result<int> run(const Invocation& in) {
   Console& console = in.console();
   FORCEGATE_TRY(const MysteryResult made, make_mystery(request, [&](const std::string& commitment) {
                   console.print("commitment " + commitment + "  (SHA-256 of the sealed truth)");
+                  console.flush();
                 }));
   console.print(fmt::format("{}: {} records, {} samples, {:.0f} minutes of rig time", made.folder.string(),
                             made.records, made.rows, made.campaign_minutes));
