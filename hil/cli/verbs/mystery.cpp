@@ -32,6 +32,7 @@ Result<int> run(const Invocation& in) {
   request.effect = in.text("effect");
   request.strength = in.text("strength");
   request.overwrite = in.flag("force");
+  request.interrupted = [&in] { return in.interrupt_flag().load(); };
   if (in.given("pair")) request.pair = split(in.text("pair"), ',');
 
   Console& console = in.console();
@@ -65,7 +66,8 @@ const Registration<Command> kRow{Command{
         "down are drawn "
         "from the seed.\n\nThe truth is sealed in DIR/sealed_truth.json. Its SHA-256 is printed before the "
         "data are "
-        "written: keep it, and `forcegate reveal` proves that the truth was not changed afterwards.",
+        "written: keep it, and `forcegate reveal` proves that the truth was not changed afterwards (with --json it stands in the answer). "
+        "What is interrupted leaves nothing behind, and the same command works again.",
     .positionals = {{.name = "DIR", .doc = "Folder to write.", .required = false, .names = Names::folder}},
     .options =
         {{.name = "seed", .value_name = "N", .doc = "Seed of everything.", .fallback = "1"},
