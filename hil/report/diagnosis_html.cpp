@@ -270,12 +270,12 @@ std::string next(const Diagnosis& d) {
       "</p>\n" +
       table_start("Segments for the rig, " + display(d.next_experiment.minutes, 3) +
                       " min in all; a later one starts from what those above it leave",
-                  {"Segment", "Parameters", "#Minutes", "Separates", "Likeness before \u2192 after",
+                  {"Segment", "Stimulus", "#Minutes", "Separates", "Likeness before \u2192 after",
                    "Odds before \u2192 after"});
   for (const ExperimentSegment& s : d.next_experiment.segments) {
-    std::string numbers;
-    for (const auto& [name, value] : s.numbers) numbers += (numbers.empty() ? "" : ", ") + name + " = " + shortest(value);
-    out += "<tr>" + cell(escape(s.name)) + cell(escape(numbers)) +
+    std::string words = s.stimulus + ": " + parameters_text(s, static_cast<std::size_t>(&s - d.next_experiment.segments.data()) + 1, " = ", ", ");
+    if (s.heats) words += fmt::format(" while it warms up by {:g} degC", s.rise_degC);
+    out += "<tr>" + cell(escape(s.name)) + cell(escape(words)) +
            cell(display(s.minutes, 3), true) + cell(escape(s.separates)) +
            cell(fmt::format("{:.2f} \u2192 {:.2f}", s.cosine_before, s.cosine_after)) +
            cell(escape(odds_text(s.odds_before) + " \u2192 " + odds_text(s.odds_after))) + "</tr>\n";
