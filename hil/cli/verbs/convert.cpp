@@ -26,7 +26,7 @@ std::vector<std::string> print_notes(Console& console, const std::vector<std::st
   std::vector<std::string> shown;
   for (const std::string& note : notes) {
     shown.push_back(printable_utf8(note));
-    console.print("  note: " + shown.back());
+    if (!console.quiet()) console.print("  note: " + shown.back());
   }
   return shown;
 }
