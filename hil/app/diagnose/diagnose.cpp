@@ -57,13 +57,13 @@ void tell_of_divider(const diagnose::Workspace& w, Diagnosis& d) {
 }
 
 Result<Diagnosis> diagnose_recordings(const CampaignRequest& request, Campaign campaign, const Model& model, RecordPictures* pictures) {
-  if (request.maps.empty() && has_unknown_column(campaign)) FORCEGATE_CHECK_OK(check_channels(campaign));
+  if (request.maps.empty() && has_unknown_column(campaign)) FORCEGATE_CHECK_OK(check_channels(campaign, request.maps));
   if (diagnose::is_drift_only(campaign)) {
     FORCEGATE_TRY(Diagnosis drift, diagnose::diagnose_drift(campaign));
     if (pictures != nullptr) *pictures = drift_pictures(campaign, drift.findings.empty() ? "" : drift.findings.front().form);
     return drift;
   }
-  FORCEGATE_CHECK_OK(check_channels(campaign));
+  FORCEGATE_CHECK_OK(check_channels(campaign, request.maps));
   FORCEGATE_CHECK_OK(diagnose::check_output_moves(campaign));
   diagnose::EngineOptions options = engine_options(model, request.threads);
   options.pictures = pictures != nullptr;
