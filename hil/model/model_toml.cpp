@@ -256,8 +256,9 @@ Result<toml::table> parse_toml(std::string_view text, const std::string& where) 
   try {
     return toml::parse(text);
   } catch (const toml::parse_error& error) {
-    return fail(ErrorCode::config, std::string(error.description()),
-                fmt::format("{}:{}:{}", where, error.source().begin.line, error.source().begin.column), "");
+    return fail(ErrorCode::config, "not valid TOML, as a model file is: " + printable_utf8(error.description()),
+                fmt::format("{}:{}:{}", where, error.source().begin.line, error.source().begin.column),
+                "a model file is what forcegate add -o and forcegate fit -o write (docs/model.md); for the syntax see https://toml.io");
   }
 }
 
