@@ -49,6 +49,10 @@ std::string parameters_text(const ExperimentSegment& segment, std::size_t number
 
 std::string error_name(JudgedBy by) { return by == JudgedBy::whole ? "error of the whole recording" : "held-out error"; }
 
+std::string probability_text(double probability) {
+  return fmt::format("{:.2f}", probability < kClaim ? std::min(probability, kClaim - 0.01) : probability);
+}
+
 bool Finding::limit(double most, const std::string& why) {
   if (!(probability > most)) return false;
   probability = most;

@@ -64,6 +64,8 @@ inline constexpr double kNoClaim = 0.49;
 /// To which what something else explains as well or better is lowered.
 inline constexpr double kWithdrawn = 0.2;
 static_assert(kWithdrawn < kNoClaim && kNoClaim < kClaim);
+/// "0.49" of 0.498: two digits, never rounded over the border of a claim.
+std::string probability_text(double probability);
 
 /// RMS of a model over that of the noise which its instruments may leave, up to which it describes the records: noise is declared no better.
 inline constexpr double kToItsNoise = 1.5;

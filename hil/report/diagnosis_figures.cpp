@@ -179,7 +179,7 @@ Figure ranking_figure(const Diagnosis& d) {
   share.points(unique, y, {Role::model, Dash::solid, 1.0, Marker::dot, 6.0}, "only it");
   const RankedEffect& first = d.ranking.front();
   const bool claims = std::ranges::any_of(d.ranking, [](const RankedEffect& r) { return r.probability >= kClaim; });
-  figure.summary = (claims ? "First: " + first.effect + ", probability " + fmt::format("{:.2f}", first.probability) + "; right of the dotted line is a claim."
+  figure.summary = (claims ? "First: " + first.effect + ", probability " + probability_text(first.probability) + "; right of the dotted line is a claim."
                            : "Nothing is right of the dotted line, where a claim begins.") +
                    std::string(" A wide gap between ring and dot means that another effect explains the same data.");
   return figure;

@@ -89,7 +89,7 @@ std::string finding(const Finding& f, JudgedBy judged_by, bool one_recording, bo
   std::string out =
       "<details class=\"case " + std::string(claim ? "wa" : "mu") + "\"" + (open ? " open" : "") +
       "><summary><span class=\"id\">" + escape(f.effect) + "</span><span>" + escape(shown_side(f)) + "</span><span class=\"w " + (claim ? "wa" : "mu") +
-      "\">" + (f.in_model ? "in the model already" : fmt::format("{}, probability {:.2f}", claim ? "claimed" : "not claimed", f.probability)) +
+      "\">" + (f.in_model ? "in the model already" : fmt::format("{}, probability {}", claim ? "claimed" : "not claimed", probability_text(f.probability))) +
       "</span></summary><div class=\"in\">\n<p>" + escape(f.evidence) + "</p>\n<dl>";
   const auto fact = [&](std::string_view name, const std::string& html) {
     if (!html.empty()) out += "<dt>" + std::string(name) + "</dt><dd>" + html + "</dd>";
@@ -213,7 +213,7 @@ std::string ranking(const Diagnosis& d) {
                                  "#Alone / %", "#Only it / %", "Note"});
   for (const RankedEffect& r : d.ranking)
     out += "<tr>" + cell(escape(r.effect) + (r.form.empty() ? "" : "<small>" + escape(r.form) + "</small>")) +
-           cell(escape(r.side)) + cell(fmt::format("{:.2f}", r.probability), true) +
+           cell(escape(r.side)) + cell(probability_text(r.probability), true) +
            cell(figures::typographic_minus(fmt::format("{:.1f}", r.score)), true) +
            cell(figures::typographic_minus(fmt::format("{:.1f}", r.null_score)), true) +
            cell(whole_percent(r.alone), true) + cell(whole_percent(r.unique), true) + cell(escape(r.note)) + "</tr>\n";
@@ -306,7 +306,7 @@ std::string diagnosis_headline(const Diagnosis& d) {
   for (const Finding& f : d.findings) {
     if (!f.claimed()) continue;
     out +=
-        separator + f.effect + " (" + shown_side(f) + ", probability " + fmt::format("{:.2f}", f.probability) + ")";
+        separator + f.effect + " (" + shown_side(f) + ", probability " + probability_text(f.probability) + ")";
     separator = ", ";
   }
   return out;

@@ -120,7 +120,7 @@ std::string diagnosis_text(const Diagnosis& d) {
   for (const Finding& f : d.findings) {
     if (f.probability < 0.05) continue;
     out += fmt::format("  {} {:<20} {:<11} {}\n", f.claimed() ? "*" : " ", f.effect, shown_side(f),
-                       f.in_model ? "in the model already" : fmt::format("probability {:.2f}", f.probability));
+                       f.in_model ? "in the model already" : "probability " + probability_text(f.probability));
     out += "      " + f.evidence + "\n";
     if (!f.claimed()) continue;
     for (const FoundParameter& p : f.parameters)

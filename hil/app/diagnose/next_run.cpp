@@ -282,7 +282,7 @@ std::string next_run_text(const NextRunResult& r) {
   const auto claims = [](const Diagnosis& d) {
     std::string text = to_string(d.verdict);
     for (const Finding& f : d.findings)
-      if (f.claimed()) text += fmt::format(", {} ({:.2f})", f.effect, f.probability);
+      if (f.claimed()) text += fmt::format(", {} ({})", f.effect, probability_text(f.probability));
     return text;
   };
   out += "before: " + claims(r.before) + "\nnow:    " + claims(r.after) + "\n";
