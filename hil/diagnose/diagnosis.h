@@ -240,6 +240,7 @@ struct Diagnosis {
   std::vector<std::string> follows;                           ///< what no effect covers and explains it best: "the largest force so far"
   double error_before = 0.0, error_after = 0.0, floor = 0.0;  ///< adapted, V
   bool levels = false;  ///< a claim acts between records: adapted then means the decay alone, gain and zero are those of all records
+  bool no_input = false;  ///< laws of time alone: nothing is adapted
   double plain_before = 0.0, plain_after = 0.0;
   JudgedBy judged_by = JudgedBy::heldout;
   std::vector<ModelStep> steps;  ///< of a diagnosis, in the order in which effects were taken in

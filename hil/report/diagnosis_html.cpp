@@ -48,11 +48,11 @@ std::string header(const Diagnosis& d, const DiagnosisPage& page, bool has_looks
   const double before = rig ? d.errors.at("F").before : d.error_before,
                after = rig ? d.errors.at("F").after : d.error_after;
   const std::string unit = rig ? d.errors.at("F").unit : d.unit;
-  const auto [shown_before, shown_after] = comparison ? std::pair(in_unit(before, unit), in_unit(after, unit)) : in_one_unit(before, after, unit);
+  const auto [shown_before, shown_after, shown_floor] = in_one_unit(before, comparison ? before : after, rig ? 0.0 : d.floor, unit);
   out += page.lead ? escape(page.lead->why) : error_title(d.judged_by) + " " + escape(shown_before);
   if (!comparison && !page.lead && shown_before != shown_after)
     out += (after < before ? " falls to " : " rises to ") + escape(shown_after) + (rig ? "" : escape(unclaimed_share(d)));
-  if (d.floor > 0.0 && !rig) out += "; noise floor " + escape(in_unit(d.floor, d.unit));
+  if (d.floor > 0.0 && !rig) out += "; noise floor " + escape(shown_floor);
   if (!rig) out += escape(one_law_sentence(d));
   out += ".</p>\n<ul class=\"facts\">";
   const auto fact = [&](std::string_view name, const std::string& html) {

@@ -157,7 +157,7 @@ std::string to_json(const Diagnosis& d) {
   out["unit"] = d.unit;
   out["errors"] = errors_json(d);
   out["floor"] = number(d.floor);
-  out["adapted"] = adapted_json(d.levels);
+  out["adapted"] = d.no_input ? Json::array() : adapted_json(d.levels);
   out["judged_by"] = to_string(d.judged_by);
   out["plain"] = {{"before", number(d.plain_before)}, {"after", number(d.plain_after)}};
   out["records"] = list_json(d.records, record_json);
