@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "hil/base/plain_number.h"
 #include "hil/base/text.h"
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
@@ -40,8 +41,8 @@ Result<int> run(const Invocation& in) {
                   console.print("commitment " + commitment + "  (SHA-256 of the sealed truth)");
                   console.flush();
                 }));
-  console.print(fmt::format("{}: {} records, {} samples, {:.0f} minutes of rig time", made.folder.string(),
-                            made.records, made.rows, made.campaign_minutes));
+  console.print(fmt::format("{}: {}, {}, {:.0f} minutes of rig time", made.folder.string(),
+                            counted(made.records, "record"), counted(made.rows, "sample"), made.campaign_minutes));
   console.print("with an answer: forcegate reveal " + shell_quoted(made.folder.string()) + " --effect NAME");
   console.print_json(nlohmann::ordered_json{{"format", 1},
                                             {"folder", made.folder.string()},
