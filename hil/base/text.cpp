@@ -85,7 +85,7 @@ std::string nearest_name(std::string_view word, std::span<const std::string> can
 
 std::string with_uncertainty(double value, double u) {
   if (!std::isfinite(value)) return shortest(value);
-  if (!(u > 0.0) || !std::isfinite(u)) return fmt::format("{:.4g}", value);
+  if (!(u > 0.0) || !std::isfinite(u)) return fmt::format("{:.4g}", value + 0.0);  // never "-0"
   constexpr double kSmallest = 1e-9, kLargest = 1e12;  // beyond, zeros behind or before the point say nothing
   if (const double size = std::max(std::fabs(value), u); size < kSmallest || size >= kLargest) {
     const int exponent = static_cast<int>(std::floor(std::log10(size)));
@@ -104,7 +104,9 @@ std::string with_uncertainty(double value, double u) {
     const double unit = std::pow(10.0, place);
     return fmt::format("{:.0f}({:.0f})", std::round(value / unit) * unit + 0.0, digits * unit);  // + 0.0: never "-0"
   }
-  return fmt::format("{:.{}f}({:.0f})", value, -place, digits);
+  std::string shown = fmt::format("{:.{}f}", value, -place);
+  if (shown.find_first_of("123456789") == std::string::npos && shown.starts_with('-')) shown.erase(0, 1);
+  return fmt::format("{}({:.0f})", shown, digits);
 }
 
 std::string shortest(double value) {

@@ -146,6 +146,11 @@ void Console::look_at(const std::string& file) {
   print(paint(Paint::dim, "look at: " + file));
 }
 
+void Console::flush() {
+  const std::lock_guard lock(bar_->mutex);
+  std::fflush(out_);
+}
+
 bool Console::all_written() {
   if (std::fflush(out_) == 0 && std::ferror(out_) == 0) return true;
   pollfd reader{::fileno(out_), POLLOUT, 0};

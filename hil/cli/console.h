@@ -48,6 +48,8 @@ class Console {
   /// The error as text on stderr, or as {"error": {...}} on stdout with --json, as long as stdout takes it.
   void error(const Error& error);
 
+  /// Hands on what was printed before anything else happens, also into a pipe or a file.
+  void flush();
   /// Flushes stdout. False when any of it was lost (a full disk); a reader that has left is its own affair.
   bool all_written();
 

@@ -108,6 +108,9 @@ std::optional<Error> lost_input(const Command& command, const std::vector<std::p
   std::error_code unknown;
   for (const Named& output : files) {
     if (is_input(output.names)) continue;
+    if (output.path == "-")
+      return Error{ErrorCode::usage, "\"-\" names no file: what goes to standard output is the answer", output.option + " -",
+                   "give a file or folder by its name, or ./- where it is really called so"};
     const fs::file_status status = fs::status(output.path, unknown);
     if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status)) continue;
     for (const Named& other : files) {

@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <cctype>
+
+#include "hil/base/text.h"
+
 namespace forcegate {
 
 std::string to_string(DiagnosisVerdict verdict) {
@@ -22,7 +26,32 @@ std::string to_string(JudgedBy by) {
   return "heldout";
 }
 
+std::string profile_name(const ExperimentSegment& segment, std::size_t number) {
+  std::string out = "profiles/" + std::to_string(number) + "_";
+  for (const char c : segment.name) {
+    const auto letter = static_cast<unsigned char>(c);
+    out += std::isalnum(letter) != 0 ? static_cast<char>(std::tolower(letter)) : '_';
+  }
+  return out + ".csv";
+}
+
+std::string parameters_text(const ExperimentSegment& segment, std::size_t number, const std::string& equals, const std::string& between) {
+  if (segment.stimulus == "replay") return "path" + equals + profile_name(segment, number);
+  std::vector<std::string> words;
+  for (const auto& [name, value] : segment.numbers) words.push_back(name + equals + shortest(value));
+  for (const auto& [name, values] : segment.lists) {
+    std::vector<std::string> list;
+    for (const double value : values) list.push_back(shortest(value));
+    words.push_back(name + equals + join(list, ","));
+  }
+  return join(words, between);
+}
+
 std::string error_name(JudgedBy by) { return by == JudgedBy::whole ? "error of the whole recording" : "held-out error"; }
+
+std::string probability_text(double probability) {
+  return fmt::format("{:.2f}", probability < kClaim ? std::min(probability, kClaim - 0.01) : probability);
+}
 
 bool Finding::limit(double most, const std::string& why) {
   if (!(probability > most)) return false;

@@ -64,6 +64,8 @@ inline constexpr double kNoClaim = 0.49;
 /// To which what something else explains as well or better is lowered.
 inline constexpr double kWithdrawn = 0.2;
 static_assert(kWithdrawn < kNoClaim && kNoClaim < kClaim);
+/// "0.49" of 0.498: two digits, never rounded over the border of a claim.
+std::string probability_text(double probability);
 
 /// RMS of a model over that of the noise which its instruments may leave, up to which it describes the records: noise is declared no better.
 inline constexpr double kToItsNoise = 1.5;
@@ -189,16 +191,27 @@ struct ResidualMap {
 
 struct ExperimentSegment {
   std::string name;      ///< "triangle at three rates"
-  std::string stimulus;  ///< name in stimuli/
-  std::map<std::string, double> numbers;
+  std::string kind;      ///< of the record, as a campaign's description calls it
+  std::string stimulus;  ///< name in stimuli/; "replay" of profile_name() where no other one is this force
+  std::map<std::string, double> numbers;               ///< its parameters
+  std::map<std::string, std::vector<double>> lists{};  ///< those of them that are lists
   double minutes = 0.0;
   std::string separates;  ///< "hysteresis / lag"
   double cosine_before = 0.0, cosine_after = 0.0;
   double odds_before = 1.0, odds_after = 1.0;  ///< expected odds of the better rival; the first segment starts from what is known
   bool odds_stated = false;                    ///< known from the findings' probabilities; else from the evidence
   std::vector<double> t_s, force_N;            ///< the force that was simulated: what a rig has to play
+  double f_min_Hz = 0.0;                       ///< lowest frequency of its cycles; 0: not cyclic
   bool heats = false;                          ///< the temperature must rise meanwhile
+  double rise_degC = 0.0;                      ///< by so much
+  double low_N() const { return force_N.empty() ? 0.0 : *std::ranges::min_element(force_N); }
+  double high_N() const { return force_N.empty() ? 0.0 : *std::ranges::max_element(force_N); }
 };
+/// File of its force below the folder that `forcegate next -o` writes: "profiles/2_fast_edges.csv"; `number` counts from 1.
+std::string profile_name(const ExperimentSegment& segment, std::size_t number);
+/// "cycles=5 high_N=3.9 ...": what its stimulus takes.
+std::string parameters_text(const ExperimentSegment& segment, std::size_t number, const std::string& equals = "=", const std::string& between = " ");
+
 struct NextExperiment {
   std::vector<ExperimentSegment> segments;
   double minutes = 0.0;
@@ -227,6 +240,7 @@ struct Diagnosis {
   std::vector<std::string> follows;                           ///< what no effect covers and explains it best: "the largest force so far"
   double error_before = 0.0, error_after = 0.0, floor = 0.0;  ///< adapted, V
   bool levels = false;  ///< a claim acts between records: adapted then means the decay alone, gain and zero are those of all records
+  bool no_input = false;  ///< laws of time alone: nothing is adapted
   double plain_before = 0.0, plain_after = 0.0;
   JudgedBy judged_by = JudgedBy::heldout;
   std::vector<ModelStep> steps;  ///< of a diagnosis, in the order in which effects were taken in

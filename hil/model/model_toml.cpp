@@ -10,6 +10,7 @@
 #include "hil/base/text.h"
 #include "hil/model/model_toml.h"
 #include "hil/model/equation_unit.h"
+#include "hil/model/output_unit.h"
 #include "hil/model/user_equation.h"
 
 namespace forcegate {
@@ -256,8 +257,9 @@ Result<toml::table> parse_toml(std::string_view text, const std::string& where) 
   try {
     return toml::parse(text);
   } catch (const toml::parse_error& error) {
-    return fail(ErrorCode::config, std::string(error.description()),
-                fmt::format("{}:{}:{}", where, error.source().begin.line, error.source().begin.column), "");
+    return fail(ErrorCode::config, "not valid TOML, as a model file is: " + printable_utf8(error.description()),
+                fmt::format("{}:{}:{}", where, error.source().begin.line, error.source().begin.column),
+                "a model file is what forcegate add -o and forcegate fit -o write (docs/model.md); for the syntax see https://toml.io");
   }
 }
 
@@ -270,10 +272,7 @@ Result<void> read_head(const toml::table& root, Model& out, const std::string& w
   FORCEGATE_TRY(out.sensor, value_of(root, "sensor", std::string(), where));
   FORCEGATE_TRY(out.source, value_of(root, "source", std::string(), where));
   FORCEGATE_TRY(out.output_unit, value_of(root, "output_unit", std::string("V"), where));
-  if (out.output_unit.empty())
-    return fail(ErrorCode::config, "output_unit is empty", place(where, *root["output_unit"].node()),
-                "write the unit of the output (\"V\", \"S\"), or leave it out: volts");
-  return {};
+  return root.contains("output_unit") ? check_output_unit(out.output_unit, place(where, *root["output_unit"].node())) : Result<void>{};
 }
 
 // A coefficient of the law in the unit and the range that it must have.

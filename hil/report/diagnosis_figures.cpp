@@ -180,7 +180,7 @@ Figure ranking_figure(const Diagnosis& d) {
   const RankedEffect& first = d.ranking.front();
   const bool claims = std::ranges::any_of(d.ranking, [](const RankedEffect& r) { return r.probability >= kClaim; });
   const bool of_samples = std::ranges::any_of(d.findings, [](const Finding& f) { return f.of_samples() && f.claimed(); });
-  figure.summary = (claims ? "First: " + first.effect + ", probability " + fmt::format("{:.2f}", first.probability) + "; right of the dotted line is a claim."
+  figure.summary = (claims ? "First: " + first.effect + ", probability " + probability_text(first.probability) + "; right of the dotted line is a claim."
                     : of_samples
                         ? "What the samples themselves show is claimed without a fit and not ranked here; none of these is right of the dotted line, where a claim begins."
                         : "Nothing is right of the dotted line, where a claim begins.") +

@@ -48,11 +48,11 @@ std::string header(const Diagnosis& d, const DiagnosisPage& page, bool has_looks
   const double before = rig ? d.errors.at("F").before : d.error_before,
                after = rig ? d.errors.at("F").after : d.error_after;
   const std::string unit = rig ? d.errors.at("F").unit : d.unit;
-  const auto [shown_before, shown_after] = comparison ? std::pair(in_unit(before, unit), in_unit(after, unit)) : in_one_unit(before, after, unit);
+  const auto [shown_before, shown_after, shown_floor] = in_one_unit(before, comparison ? before : after, rig ? 0.0 : d.floor, unit);
   out += page.lead ? escape(page.lead->why) : error_title(d.judged_by) + " " + escape(shown_before);
   if (!comparison && !page.lead && shown_before != shown_after)
     out += (after < before ? " falls to " : " rises to ") + escape(shown_after) + (rig ? "" : escape(unclaimed_share(d)));
-  if (d.floor > 0.0 && !rig) out += "; noise floor " + escape(in_unit(d.floor, d.unit));
+  if (d.floor > 0.0 && !rig) out += "; noise floor " + escape(shown_floor);
   if (!rig) out += escape(one_law_sentence(d));
   out += ".</p>\n<ul class=\"facts\">";
   const auto fact = [&](std::string_view name, const std::string& html) {
@@ -89,7 +89,7 @@ std::string finding(const Finding& f, JudgedBy judged_by, bool one_recording, bo
   std::string out =
       "<details class=\"case " + std::string(claim ? "wa" : "mu") + "\"" + (open ? " open" : "") +
       "><summary><span class=\"id\">" + escape(f.effect) + "</span><span>" + escape(shown_side(f)) + "</span><span class=\"w " + (claim ? "wa" : "mu") +
-      "\">" + (f.in_model ? "in the model already" : fmt::format("{}, probability {:.2f}", claim ? "claimed" : "not claimed", f.probability)) +
+      "\">" + (f.in_model ? "in the model already" : fmt::format("{}, probability {}", claim ? "claimed" : "not claimed", probability_text(f.probability))) +
       "</span></summary><div class=\"in\">\n<p>" + escape(f.evidence) + "</p>\n<dl>";
   const auto fact = [&](std::string_view name, const std::string& html) {
     if (!html.empty()) out += "<dt>" + std::string(name) + "</dt><dd>" + html + "</dd>";
@@ -213,7 +213,7 @@ std::string ranking(const Diagnosis& d) {
                                  "#Alone / %", "#Only it / %", "Note"});
   for (const RankedEffect& r : d.ranking)
     out += "<tr>" + cell(escape(r.effect) + (r.form.empty() ? "" : "<small>" + escape(r.form) + "</small>")) +
-           cell(escape(r.side)) + cell(fmt::format("{:.2f}", r.probability), true) +
+           cell(escape(r.side)) + cell(probability_text(r.probability), true) +
            cell(figures::typographic_minus(fmt::format("{:.1f}", r.score)), true) +
            cell(figures::typographic_minus(fmt::format("{:.1f}", r.null_score)), true) +
            cell(whole_percent(r.alone), true) + cell(whole_percent(r.unique), true) + cell(escape(r.note)) + "</tr>\n";
@@ -270,12 +270,12 @@ std::string next(const Diagnosis& d) {
       "</p>\n" +
       table_start("Segments for the rig, " + display(d.next_experiment.minutes, 3) +
                       " min in all; a later one starts from what those above it leave",
-                  {"Segment", "Parameters", "#Minutes", "Separates", "Likeness before \u2192 after",
+                  {"Segment", "Stimulus", "#Minutes", "Separates", "Likeness before \u2192 after",
                    "Odds before \u2192 after"});
   for (const ExperimentSegment& s : d.next_experiment.segments) {
-    std::string numbers;
-    for (const auto& [name, value] : s.numbers) numbers += (numbers.empty() ? "" : ", ") + name + " = " + shortest(value);
-    out += "<tr>" + cell(escape(s.name)) + cell(escape(numbers)) +
+    std::string words = s.stimulus + ": " + parameters_text(s, static_cast<std::size_t>(&s - d.next_experiment.segments.data()) + 1, " = ", ", ");
+    if (s.heats) words += fmt::format(" while it warms up by {:g} degC", s.rise_degC);
+    out += "<tr>" + cell(escape(s.name)) + cell(escape(words)) +
            cell(display(s.minutes, 3), true) + cell(escape(s.separates)) +
            cell(fmt::format("{:.2f} \u2192 {:.2f}", s.cosine_before, s.cosine_after)) +
            cell(escape(odds_text(s.odds_before) + " \u2192 " + odds_text(s.odds_after))) + "</tr>\n";
@@ -308,7 +308,7 @@ std::string diagnosis_headline(const Diagnosis& d) {
   for (const Finding& f : d.findings) {
     if (!f.claimed()) continue;
     out +=
-        separator + f.effect + " (" + shown_side(f) + ", probability " + fmt::format("{:.2f}", f.probability) + ")";
+        separator + f.effect + " (" + shown_side(f) + ", probability " + probability_text(f.probability) + ")";
     separator = ", ";
   }
   return out;

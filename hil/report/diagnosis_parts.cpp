@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cmath>
 
+#include "hil/base/plain_number.h"
 #include "hil/report/diagnosis_figures.h"
 #include "hil/report/figures/plots.h"
 #include "hil/report/figures/text.h"
@@ -27,6 +28,18 @@ std::pair<std::string, std::string> in_one_unit(double a, double b, const std::s
   if (!(small > 0.0) || large * scale.factor >= kMost) scale = figures::readable_unit(large, unit);
   const auto text = [&](double value) { return display(value * scale.factor, 3) + " " + scale.unit; };
   return {text(a), text(b)};
+}
+
+ErrorTexts in_one_unit(double before, double after, double floor, const std::string& unit) {
+  constexpr double kLeast = 0.01, kMost = 1e4;
+  const auto [first, second] = in_one_unit(before, after, unit);
+  const std::string shown = first.substr(first.rfind(' ') + 1), own = in_unit(floor, unit);
+  if (!(floor > 0.0) || own.ends_with(" " + shown)) return {first, second, own};
+  const PrintedUnit text = printed_unit(unit);
+  const auto fits = [&](double value) { return value == 0.0 || (std::fabs(value) * text.factor >= kLeast && std::fabs(value) * text.factor < kMost); };
+  if (!fits(before) || !fits(after) || !fits(floor)) return {first, second, own};
+  const auto in_text = [&](double value) { return display(value * text.factor, 3) + " " + text.name; };
+  return {in_text(before), in_text(after), in_text(floor)};
 }
 
 std::string one_law_sentence(const Diagnosis& d) {

@@ -18,6 +18,13 @@ std::string in_unit(double value, const std::string& unit);
 /// Two values that are compared, in one unit: that of the smaller unless the larger would have more than four digits before its point.
 std::pair<std::string, std::string> in_one_unit(double a, double b, const std::string& unit);
 
+/// Errors of one sentence and the floor below it in one unit: that of the two errors where the floor reads well in it, else that of the
+/// text's error line; where neither does, the floor has a unit of its own.
+struct ErrorTexts {
+  std::string before, after, floor;
+};
+ErrorTexts in_one_unit(double before, double after, double floor, const std::string& unit);
+
 /// The error of one law for all records before and after, where the records differ from it far beyond their noise, or it rises; escaped by the
 /// caller: "; with one gain, offset and decay for all records 236 mV falls to 65 mV", "" otherwise.
 std::string one_law_sentence(const Diagnosis& diagnosis);

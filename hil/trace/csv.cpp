@@ -47,7 +47,8 @@ std::vector<std::int32_t> counts_of(const std::vector<double>& values) {
   return raw;
 }
 
-void attach_counts(Trace& trace) {
+// `headers`: of the channels.
+void attach_counts(Trace& trace, std::vector<std::string>& headers) {
   for (std::size_t i = 0; i < trace.channels.size(); ++i) {
     Channel& counts = trace.channels[i];
     if (counts.quantity != "code") continue;
@@ -57,6 +58,7 @@ void attach_counts(Trace& trace) {
     });
     if (physical == trace.channels.end() || counts.raw.empty()) continue;
     physical->raw = std::move(counts.raw);
+    headers.erase(headers.begin() + static_cast<std::ptrdiff_t>(i));
     trace.channels.erase(trace.channels.begin() + static_cast<std::ptrdiff_t>(i--));
   }
 }
@@ -282,11 +284,11 @@ Result<TraceFile> trace_of_table(CsvTable table, const std::string& where, const
   }
   for (std::string& note : use_canonical_names(out.trace, headers)) out.notes.push_back(std::move(note));
   note_unlikely_sizes(out.trace, headers, out.notes);
+  attach_counts(out.trace, headers);
+  make_names_unique(out.trace);
   for (std::size_t i = 0; i < headers.size(); ++i) out.headers.emplace(out.trace.channels[i].name, std::move(headers[i]));
   if (const auto output = out.headers.find("U"); output != out.headers.end()) table.above.push_back(output->second);
   out.sensor = only_sensor_named(table.above);
-  attach_counts(out.trace);
-  make_names_unique(out.trace);
   return out;
 }
 

@@ -1,6 +1,7 @@
 // What stands in a CSV file beside its rows: kind, header, units, and both once more.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 
@@ -32,6 +33,19 @@ NameOfUnit unit_in_name(const std::string& header, std::string_view symbol) {
   return named.is_clock || (known != nullptr && known->quantity == a.quantity) ? NameOfUnit::another : NameOfUnit::nothing;
 }
 
+// Names of columns may stand in angle brackets, and brackets around units: only what no table begins with.
+bool is_markup(std::string_view text) {
+  const std::string head = ascii_lower(trim(text.substr(0, 256)));
+  return std::ranges::any_of(std::array{"<!doctype", "<!--", "<?xml", "<html", "<head", "<body", "<table", "<div", "<svg"}, [&](const char* begin) { return head.starts_with(begin); });
+}
+
+bool is_json(std::string_view text) {
+  const std::string_view head = trim(text.substr(0, 256));
+  if (head.empty() || (head.front() != '{' && head.front() != '[')) return false;
+  const std::string_view next = trim(head.substr(1));
+  return next.starts_with(head.front() == '{' ? "\"" : "{") || next.starts_with(head.front() == '{' ? "}" : "[");
+}
+
 }  // namespace
 
 Result<void> CsvParser::check_kind(std::string_view chunk) const {
@@ -46,6 +60,10 @@ Result<void> CsvParser::check_kind(std::string_view chunk) const {
   if (chunk.starts_with("TDSm")) return refuse("a TDMS file of LabVIEW", "export it as CSV");
   if (std::memchr(chunk.data(), 0, std::min<std::size_t>(chunk.size(), 4096)))
     return refuse("binary", "export it as CSV");
+  constexpr const char* kTable = "give the recording itself: one line names the columns, for instance t_s,F_ref_N,U_V, and rows of numbers stand below it";
+  if (chunk.starts_with("\xEF\xBB\xBF")) chunk.remove_prefix(3);
+  if (is_markup(chunk)) return refuse("a page in HTML or XML", kTable);
+  if (is_json(chunk)) return refuse("JSON", kTable);
   return {};
 }
 

@@ -51,6 +51,8 @@ Unexpected no_clock(const CsvTable& table, const std::vector<ColumnMeaning>& mea
     hint = "say which is the clock, for instance --map " + shell_quoted(likely->header + "=t_" + unit) +
            (unknown.empty() ? "" : " where \"" + unknown + "\" means seconds, t_ms and t_us for milli- and microseconds") + ", or give --rate HZ for a file without one";
   }
+  if (std::ranges::none_of(meanings, [](const ColumnMeaning& m) { return known_name(m.name) == "F_ref" || m.unit.quantity == "force"; }))
+    hint += "; none of them is the reference force either: where there is one, --map NAME=F_ref_N, and of an output alone forcegate diagnose tells the drift";
   if (!texts.empty() && likely != nullptr && table.text_columns.size() >= table.columns.size())
     hint = "if line " + std::to_string(table.text_columns.front().line) + " is no row, take it out; then " + hint;
   return fail(ErrorCode::parse, text, table.header_line > 0 ? where + ":" + std::to_string(table.header_line) : where, hint);

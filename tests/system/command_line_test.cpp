@@ -108,6 +108,23 @@ TEST(CommandLine, CtrlCIsTold) {
   }
 }
 
+TEST(CommandLine, QuietMeansNoNotes) {
+  TemporaryFolder folder;
+  std::string text = "F_ref_N,U_V\n";
+  for (int i = 0; i < 2000; ++i) text += std::to_string(0.01 * (i % 400)) + "," + std::to_string(0.02 * (i % 400) + 0.001 * (i % 7)) + "\n";
+  write_text(folder / "run.csv", text);
+  const ProcessOptions here{.folder = folder.path()};
+  for (const std::vector<std::string>& words : {std::vector<std::string>{"convert", "run.csv", "run.h5", "--rate", "50", "--force"}, {"diagnose", "run.csv", "--rate", "50"}}) {
+    std::vector<std::string> quiet = words;
+    quiet.push_back("-q");
+    EXPECT_THAT(forcegate(words, here).out, HasSubstr("note: ")) << words.front();
+    const ProcessResult r = forcegate(quiet, here);
+    EXPECT_EQ(r.exit_code, 0) << r.err;
+    EXPECT_THAT(r.out, Not(HasSubstr("note: "))) << words.front();
+    EXPECT_NE(r.out, "") << "the answer stays";
+  }
+}
+
 TEST(CommandLine, MissingAndSuperfluousArgumentsAreNamed) {
   EXPECT_THAT(forcegate({"convert", "a.csv"}).err, HasSubstr("TO is missing"));
   EXPECT_THAT(forcegate({"bench"}).err, HasSubstr("help: one of: list, doctor, scan, serve, park, reset, jog, who, specimens"));

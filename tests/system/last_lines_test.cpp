@@ -228,6 +228,13 @@ TEST(LastLines, ExplainLeadsOutOfItself) {
   EXPECT_THAT(chain("forcegate explain", folder).size(), 2u);
   for (const char* term : {"known", "not separable", "4", "ACCEPT", "creep"})
     EXPECT_THAT(next_of(forcegate({"explain", term})), Not(StartsWith("forcegate explain"))) << term;
+  EXPECT_EQ(next_of(forcegate({"explain", "3"})), "forcegate explain NO-DECISION");
+  EXPECT_EQ(next_of(forcegate({"explain", "NO-DECISION"})), "forcegate plan --help");
+  const ProcessOptions there{.folder = folder.path()};
+  EXPECT_EQ(next_of(forcegate({"explain", "mre_maxima"}, there)), "forcegate report --help");
+  std::filesystem::create_directory(folder.path() / "forcegate-run");
+  write_text(folder / "forcegate-run/report.html", "<!doctype html>");
+  EXPECT_THAT(forcegate({"explain", "mre_maxima"}, there).out, HasSubstr("forcegate-run/report.html")) << "the page shows maxima over time";
 }
 
 TEST(Explain, HelpGroupsItsTermsAndKnowsTheEffects) {

@@ -96,6 +96,19 @@ TEST(NextVerb, ARecordingOfTheForceThatWasAskedForSettlesWhatOneSineCannot) {
   EXPECT_EQ(segment["odds_from"], "probability");
   EXPECT_NEAR(segment["odds_before"].get<double>(), std::max(a, b) / std::min(a, b), 1e-6);
   EXPECT_EQ(said["next_experiment"]["segments"], plan["segments"]);
+  // text and JSON name what `forcegate stimulus` takes
+  for (const auto& s : plan["segments"]) {
+    std::vector<std::string> words = {"stimulus", s["stimulus"]};
+    if (s["stimulus"] == "replay") words.push_back("path=" + forces + "/" + s["profile"].get<std::string>());
+    for (const auto& [name, value] : s["numbers"].items()) {
+      std::string text;
+      for (const auto& one : value.is_array() ? value : nlohmann::json::array({value})) text += (text.empty() ? "" : ",") + one.dump();
+      words.push_back(name + "=" + text);
+    }
+    const ProcessResult played = forcegate(words);
+    EXPECT_EQ(played.exit_code, 0) << played.err;
+    EXPECT_THAT(asked.out, HasSubstr("forcegate stimulus " + s["stimulus"].get<std::string>() + " "));
+  }
 
   const ProcessResult unlike = forcegate({"next", sine, "--run", "--record", still, "-o", out});
   EXPECT_EQ(unlike.exit_code, 2);

@@ -57,13 +57,13 @@ void tell_of_divider(const diagnose::Workspace& w, Diagnosis& d) {
 }
 
 Result<Diagnosis> diagnose_recordings(const CampaignRequest& request, Campaign campaign, const Model& model, RecordPictures* pictures) {
-  if (request.maps.empty() && has_unknown_column(campaign)) FORCEGATE_CHECK_OK(check_channels(campaign));
+  if (request.maps.empty() && has_unknown_column(campaign)) FORCEGATE_CHECK_OK(check_channels(campaign, request.maps));
   if (diagnose::is_drift_only(campaign)) {
     FORCEGATE_TRY(Diagnosis drift, diagnose::diagnose_drift(campaign));
     if (pictures != nullptr) *pictures = drift_pictures(campaign, drift.findings.empty() ? "" : drift.findings.front().form);
     return drift;
   }
-  FORCEGATE_CHECK_OK(check_channels(campaign));
+  FORCEGATE_CHECK_OK(check_channels(campaign, request.maps));
   FORCEGATE_CHECK_OK(diagnose::check_output_moves(campaign));
   diagnose::EngineOptions options = engine_options(model, request.threads);
   options.pictures = pictures != nullptr;
@@ -122,7 +122,7 @@ std::string diagnosis_text(const Diagnosis& d) {
   for (const Finding& f : d.findings) {
     if (f.probability < 0.05) continue;
     out += fmt::format("  {} {:<20} {:<11} {}\n", f.claimed() ? "*" : " ", f.effect, shown_side(f),
-                       f.in_model ? "in the model already" : fmt::format("probability {:.2f}", f.probability));
+                       f.in_model ? "in the model already" : "probability " + probability_text(f.probability));
     out += "      " + f.evidence + "\n";
     if (!f.claimed()) continue;
     for (const FoundParameter& p : f.parameters)

@@ -78,13 +78,18 @@ std::string without_segments(const Diagnosis& d) {
 std::string next_text(const Diagnosis& d) {
   const NextExperiment& n = d.next_experiment;
   if (n.segments.empty()) return without_segments(d);
+  bool files = false;
   std::string out = fmt::format("measure next, {:.2g} minutes of rig time:\n", n.minutes);
   for (const ExperimentSegment& s : n.segments) {
     out += fmt::format("  {:<38} {:>4.2g} min  parts {}: odds {} -> {} to 1{}, likeness {:.2f} -> {:.2f}\n",
                        s.name, s.minutes, s.separates, odds_text(s.odds_before), odds_text(s.odds_after),
                        s.odds_stated ? "" : " by the evidence", s.cosine_before, s.cosine_after);
-    for (const auto& [name, value] : s.numbers) out += fmt::format("      {} = {:g}\n", name, value);
+    out += "      forcegate stimulus " + s.stimulus + " " + parameters_text(s, static_cast<std::size_t>(&s - n.segments.data()) + 1);
+    if (s.stimulus == "replay") out += fmt::format("  ({:.3g} to {:.3g} N)", s.low_N(), s.high_N()), files = true;
+    if (s.heats) out += fmt::format("  while it warms up by {:g} degC", s.rise_degC);
+    out += "\n";
   }
+  if (files) out += "no profile of the list is the force of a replay: -o FOLDER writes its file, FOLDER/profiles/...\n";
   out += "odds behind the arrow: what to expect if the first one of the two is there\n";
   if (n.segments.size() > 1) out += "the first odds are those of the diagnosis; a later segment starts from what those above it leave\n";
   return out;

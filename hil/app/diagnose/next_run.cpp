@@ -34,7 +34,7 @@ Result<fs::path> write_profile(const ExperimentSegment& s, const fs::path& folde
   std::string text = "t_s,F_ref_N\n";
   for (std::size_t i = 0; i < s.t_s.size(); ++i)
     fmt::format_to(std::back_inserter(text), "{:.4f},{:.5f}\n", s.t_s[i], s.force_N[i]);
-  const fs::path path = folder / kProfiles / fmt::format("{}_{}.csv", number, slug(s.name));
+  const fs::path path = folder / profile_name(s, number);
   FORCEGATE_CHECK_OK(write_file_atomically(path, text));
   return path;
 }
@@ -70,14 +70,6 @@ double distance(const Character& a, const Character& b) {
 std::string described(const Character& c) {
   return plain_number(std::exp(c.value[0])) + " s, " + plain_number(c.value[3]) + " to " + plain_number(c.value[4]) + " N, " + plain_number(std::max(0.0, std::exp(c.value[1]) - kSlow_N_per_s)) +
          " N/s on the average, " + plain_number(std::max(0.0, std::exp(c.value[2]) - kFast_N_per_s)) + " N/s at most";
-}
-
-// Among the numbers of the segment; 0 when it has none.
-double lowest_frequency_Hz(const ExperimentSegment& s) {
-  double lowest = 0.0;
-  for (const auto& [name, value] : s.numbers)
-    if (name.starts_with("f") && name.ends_with("_Hz") && (lowest == 0.0 || value < lowest)) lowest = value;
-  return lowest;
 }
 
 struct Recording {
@@ -153,7 +145,7 @@ Result<bool> take_recording(const ExperimentSegment& segment, const fs::path& pr
     return false;
   }
   best->used = true;
-  FORCEGATE_CHECK_OK(append_recording(best->path, out.folder, segment.stimulus));
+  FORCEGATE_CHECK_OK(append_recording(best->path, out.folder, segment.kind));
   odds.file = best->path.filename().string();
   return true;
 }
@@ -174,7 +166,7 @@ Result<ToPlay> deal_segments(const NextRunRequest& request, bool sealed, std::ve
       out.skipped.push_back(s.name + ": this rig cannot heat");
       continue;
     } else if (sealed) {
-      to_play.on_mystery.push_back({slug(s.name), s.stimulus, s.t_s, s.force_N, lowest_frequency_Hz(s)});
+      to_play.on_mystery.push_back({slug(s.name), s.kind, s.t_s, s.force_N, s.f_min_Hz});
     } else {
       ProfileToRecord p;
       p.name = slug(s.name);
@@ -290,7 +282,7 @@ std::string next_run_text(const NextRunResult& r) {
   const auto claims = [](const Diagnosis& d) {
     std::string text = to_string(d.verdict);
     for (const Finding& f : d.findings)
-      if (f.claimed()) text += fmt::format(", {} ({:.2f})", f.effect, f.probability);
+      if (f.claimed()) text += fmt::format(", {} ({})", f.effect, probability_text(f.probability));
     return text;
   };
   out += "before: " + claims(r.before) + "\nnow:    " + claims(r.after) + "\n";

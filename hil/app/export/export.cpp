@@ -48,7 +48,7 @@ std::vector<std::string> notes_of(const ExportResult& r) {
   return out;
 }
 
-std::string fit_text(const ExportResult& r) {
+std::string fit_text(const ExportResult& r, bool notes) {
   const PrintedUnit unit = printed_unit(r.input_unit);
   const bool bare = r.compensator.effects.empty();
   const auto left_out = [&](double V) { return plain_number(unit.factor * V); };
@@ -56,11 +56,12 @@ std::string fit_text(const ExportResult& r) {
                     (bare ? " " + unit.name : fmt::format(" -> {} {} with the effects", left_out(r.fit->left_out_V), unit.name)) + "\n";
   for (const auto& item : r.fit->records)
     out += fmt::format("    {:<28} {:>8.1f}{} {}\n", item.record, unit.factor * item.law_V, bare ? "" : fmt::format(" -> {:.1f}", unit.factor * item.model_V), unit.name);
-  for (const std::string& note : fit_notes(r)) out += "note: " + note + "\n";
+  if (notes)
+    for (const std::string& note : fit_notes(r)) out += "note: " + note + "\n";
   return out;
 }
 
-std::string check_text(const ExportResult& r) {
+std::string check_text(const ExportResult& r, bool notes) {
   const CompensatorCheck& check = *r.check;
   const auto lsb = [&](double size_N, const std::string& before) { return check.lsb_N > 0.0 ? before + plain_number(size_N / check.lsb_N) + " LSB" : std::string(); };
   const bool bare = r.compensator.effects.empty();
@@ -84,7 +85,7 @@ std::string check_text(const ExportResult& r) {
   const std::string raw = errors(check.raw_plain_rms_N, check.raw_compensated_rms_N), line = errors(check.plain_rms_N, check.compensated_rms_N);
   out += fmt::format("    {:<28} {:>7} {}\n", "all records", "", check.by_model ? raw : line);
   out += fmt::format("    {:<36} {}\n", check.by_model ? "with the best straight line instead" : "gain and offset of the model instead", check.by_model ? line : raw);
-  if (!check.assumed.empty()) out += "note: " + check.assumed + "\n";
+  if (notes && !check.assumed.empty()) out += "note: " + check.assumed + "\n";
   for (const std::string& objection : objections(check)) out += "warning: " + objection + "\n";
   if (!check.far_off.empty()) out += "warning: " + check.far_off + "\n";
   return out;
@@ -159,10 +160,10 @@ Result<ExportResult> export_model(const ExportRequest& request) {
   return out;
 }
 
-std::string export_text(const ExportResult& r) {
+std::string export_text(const ExportResult& r, bool notes) {
   const Compensator& c = r.compensator;
   std::string out;
-  if (r.fit) out += fit_text(r);
+  if (r.fit) out += fit_text(r, notes);
   if (!r.header.empty())
     out += fmt::format("{}: compensator {}, {} bytes of C11\n", r.header.string(), c.id, c.header.size());
   for (const std::string& effect : c.effects) out += "  undoes " + effect + "\n";
@@ -179,8 +180,9 @@ std::string export_text(const ExportResult& r) {
   if (r.self.made)
     out += fmt::format("  held against the model's own inverse from {:.2g} to {:.2g} N: at most {:.2g} N apart\n", r.self.low_N,
                        r.self.high_N, r.self.largest_N);
-  for (const std::string& note : notes_of(r)) out += "note: " + note + "\n";
-  if (r.check) out += check_text(r);
+  if (notes)
+    for (const std::string& note : notes_of(r)) out += "note: " + note + "\n";
+  if (r.check) out += check_text(r, notes);
   return out;
 }
 

@@ -36,7 +36,7 @@ struct ExportResult {
 };
 
 Result<ExportResult> export_model(const ExportRequest& request);
-std::string export_text(const ExportResult& result);
+std::string export_text(const ExportResult& result, bool notes = true);
 std::string export_json(const ExportResult& result);
 
 }  // namespace forcegate

@@ -79,6 +79,15 @@ Result<std::string> image_sha256(const std::filesystem::path& image) {
   return sha256_file(image);
 }
 
+// Which lanes would run it, for who asked for another one.
+std::string lanes_of(const std::filesystem::path& image) {
+  std::vector<std::string> fit;
+  for (const LaneKind& lane : Registry<LaneKind>::instance().all())
+    if (lane.accepts(image)) fit.push_back("--lane " + lane.name);
+  return fit.empty() ? "no lane runs it: give an ELF image built for one of the ports"
+                     : "this image runs with " + join(fit, " or ") + ": leave --lane out, or give an image built for that lane";
+}
+
 Result<std::string> choose_lane(const GateRequest& request, const std::string& board_lane) {
   const auto& lanes = Registry<LaneKind>::instance();
   if (!board_lane.empty() && (request.lane.empty() || request.lane == board_lane)) return board_lane;
@@ -92,7 +101,7 @@ Result<std::string> choose_lane(const GateRequest& request, const std::string& b
     }
     if (!lane->accepts(request.firmware))
       return fail(ErrorCode::usage, "lane '" + request.lane + "' cannot run this image",
-                  request.firmware.string(), lane->doc);
+                  request.firmware.string(), lanes_of(request.firmware) + "; lane '" + request.lane + "': " + lane->doc);
     return lane->name;
   }
   for (const LaneKind& lane : lanes.all())

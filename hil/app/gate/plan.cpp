@@ -207,7 +207,7 @@ Result<PlanEstimate> estimate_named_plan(const std::string& name) {
   return estimate_plan(plan, bench->info());
 }
 
-std::string plan_in_words(const PlanEstimate& e, bool with_times) {
+std::string plan_in_words(const PlanEstimate& e, bool with_times, bool notes) {
   std::string out = fmt::format("plan {}: {}, {}, calibration {}, rule {}\n", e.name, counted(e.cases.size(), "case"),
                                 counted(e.records, "record"), e.calibration, e.rule_name);
   if (!e.doc.empty()) out += e.doc + "\n";
@@ -224,7 +224,8 @@ std::string plan_in_words(const PlanEstimate& e, bool with_times) {
   if (with_times && e.looks > 1)
     out += fmt::format("what stays undecided is measured in up to {} sessions: at most {} times as long\n",
                        e.looks, e.looks);
-  for (const std::string& remark : e.remarks) out += "note: " + remark + "\n";
+  if (notes)
+    for (const std::string& remark : e.remarks) out += "note: " + remark + "\n";
   return out;
 }
 

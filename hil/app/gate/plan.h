@@ -42,6 +42,6 @@ PlanEstimate estimate_plan(const characterize::WeightGatePlan& plan, const Weigh
 Result<PlanEstimate> estimate_named_plan(const std::string& name);
 
 /// Table for a person.
-std::string plan_in_words(const PlanEstimate& estimate, bool with_times);
+std::string plan_in_words(const PlanEstimate& estimate, bool with_times, bool notes = true);
 
 }  // namespace forcegate

@@ -1,4 +1,5 @@
 #include "hil/app/gate/repeats.h"
+#include "hil/base/plain_number.h"
 
 #include <fmt/format.h>
 
@@ -50,7 +51,7 @@ std::optional<JudgedCheck> repeats_check(std::span<const std::string> found) {
   c.limit = {Limit::Kind::upper, 0.0, "ours: same image, same codes, same forces"};
   c.verdict = Verdict::fail;
   c.blame = Blame::firmware;
-  c.evidence = found.front() + (found.size() > 1 ? fmt::format(", and {} more records", found.size() - 1) : std::string());
+  c.evidence = found.front() + (found.size() > 1 ? ", and " + counted(found.size() - 1, "more record") : std::string());
   return j;
 }
 

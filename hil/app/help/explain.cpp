@@ -16,7 +16,8 @@ const std::vector<Explanation>& explanations() {
       {"NO-DECISION", "decision",
        "Something required could not be judged: it did not run, it was inconclusive, or the rig was at fault. It is "
        "never an accept.",
-       "The reason names who must act; repeat the run when they have."},
+       "The reason names who must act; repeat the run when they have. A limit that is undecided for its uncertainty alone wants more data: "
+       "[rule] looks, longer records or more specimens in the plan (docs/plan.md)."},
       {"pass", "verdict", "The value is inside its limit by at least its expanded uncertainty U; its k is that of the plan's rule (2, with three looks 2.43).",
        "Nothing."},
       {"marginal", "verdict",

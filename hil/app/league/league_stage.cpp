@@ -44,7 +44,7 @@ Miss lost(const LeagueMatch& m, const hidden::TruthEffect& effect) {
   for (std::size_t i = 0; i < answer.findings.size(); ++i)
     if (answer.findings[i].effect == effect.name)
       return at(MissStage::outclaimed, claim ? claim->effect : "",
-                fmt::format("place {} with probability {:.2f}", i + 1, answer.findings[i].probability));
+                fmt::format("place {} with probability {}", i + 1, probability_text(answer.findings[i].probability)));
   if (own == ranking.end())
     return has_detector(effect.name) ? at(MissStage::raw_health, claim ? claim->effect : "",
                                     "the detector of the raw samples was silent")
@@ -101,7 +101,7 @@ Miss miss_of(const LeagueMatch& m) {
   if (const AnswerFinding* claim = first_claim(m.answer)) {
     miss.stage = MissStage::false_claim;
     miss.other = claim->effect;
-    miss.detail = fmt::format("probability {:.2f}", claim->probability);
+    miss.detail = "probability " + probability_text(claim->probability);
   } else {
     miss.stage = m.kind == LeagueClass::control ? MissStage::called_unknown : MissStage::called_none;
   }

@@ -33,8 +33,8 @@ std::string first_answer(const LeagueMatch& m) {
   if (!m.error.empty()) return "no answer: " + m.error.substr(0, m.error.find('\n'));
   std::string text = m.answer.verdict;
   for (std::size_t i = 0; i < m.answer.findings.size() && i < 3; ++i)
-    text += fmt::format("{} {} {:.2f}", i ? "," : ":", m.answer.findings[i].effect,
-                        m.answer.findings[i].probability);
+    text += fmt::format("{} {} {}", i ? "," : ":", m.answer.findings[i].effect,
+                        probability_text(m.answer.findings[i].probability));
   return text;
 }
 

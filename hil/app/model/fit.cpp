@@ -92,7 +92,7 @@ std::string waterfall_text(const diagnose::Waterfall& w) {
   return out;
 }
 
-std::string refit_text(const diagnose::Refit& r, const std::string& add) {
+std::string refit_text(const diagnose::Refit& r, const std::string& add, bool notes) {
   const PrintedUnit unit = printed_unit(r.waterfall.unit);
   const auto number = [&](double v) { return plain_number(unit.factor * v); };
   std::string out = add.empty() ? "refitted\n" : "added " + add + " and refitted everything\n";
@@ -107,7 +107,8 @@ std::string refit_text(const diagnose::Refit& r, const std::string& add) {
   for (const auto& m : r.moves)
     out += fmt::format("  {:<28} {:>12} -> {} {}\n", m.name, std::isfinite(m.before) ? fmt::format("{:.5g}", m.before) : "new", with_uncertainty(m.after, m.u),
                        m.unit == "1" ? "" : m.unit);
-  for (const std::string& note : r.notes) out += "note: " + note + "\n";
+  if (notes)
+    for (const std::string& note : r.notes) out += "note: " + note + "\n";
   if (!r.waterfall.bars.empty()) out += "error by effect, held out:\n" + waterfall_text(r.waterfall);
   return out;
 }

@@ -12,7 +12,7 @@ Result<diagnose::Refit> fit_request(const CampaignRequest& request, const std::s
 Result<diagnose::Refit> fit_request(const CampaignRequest& request, const Model& model, const std::string& add);
 /// Whether what was added lowers the error.
 bool is_needed(const diagnose::Refit& refit);
-std::string refit_text(const diagnose::Refit& refit, const std::string& add);
+std::string refit_text(const diagnose::Refit& refit, const std::string& add, bool notes = true);
 std::string refit_json(const diagnose::Refit& refit, const std::string& add);
 std::string waterfall_text(const diagnose::Waterfall& waterfall);
 std::string waterfall_json(const diagnose::Waterfall& waterfall);

@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "hil/base/text.h"
+#include "hil/trace/channels.h"
 #include "hil/trace/column_map.h"
 #include "hil/trace/columns.h"
 #include "hil/trace/divider.h"
@@ -49,14 +50,18 @@ Result<Model> load_model(const CampaignRequest& request, Campaign& campaign) {
 
 namespace {
 
-// Who maps the output onto the force has no output left: "" where no map does so.
-std::string mapped_away(const CampaignRequest& request, const Error& missing) {
+// Who maps the output onto the force, or onto a name that means nothing, has no output left: "" where no map does so.
+std::string mapped_away(const std::vector<std::string>& words, const std::string& wanted) {
   const auto name_of = [](const std::string& column) { return known_name(meaning_of_target(column).name); };
-  const std::string wanted = missing.text.starts_with("no column is the output") ? "U" : "F_ref";
-  const Result<ColumnMap> maps = parse_column_map(request.maps);
+  const Result<ColumnMap> maps = parse_column_map(words);
   if (!maps) return {};
-  for (const auto& [from, to] : *maps)
-    if (name_of(from) == wanted && name_of(to) != wanted) return "--map " + shell_quoted(from + "=" + to) + " made another thing of it: take that out, or map another column";
+  for (const auto& [from, to] : *maps) {
+    const std::string map = "--map " + shell_quoted(from + "=" + to), meant = wanted == "U" ? "the output is U_V" : "the force is F_ref_N";
+    const ColumnMeaning meaning = meaning_of_target(to);
+    if (!meaning.is_clock && meaning.unit.symbol.empty() && to != "unused" && known_channel(name_of(to)) == nullptr)
+      return "\"" + to + "\" of " + map + " is no name that means anything here: " + meant + " (docs/campaign.md lists the names)";
+    if (name_of(from) == wanted && name_of(to) != wanted) return map + " made another thing of it: take that out, or map another column";
+  }
   return {};
 }
 
@@ -78,12 +83,7 @@ Result<Campaign> load_recordings(const CampaignRequest& request) {
 
 Result<Campaign> load_campaign(const CampaignRequest& request) {
   FORCEGATE_TRY(Campaign campaign, load_recordings(request));
-  Result<void> shown = check_channels(campaign);
-  if (!shown) {
-    Error error = std::move(shown.error());
-    if (const std::string why = mapped_away(request, error); !why.empty()) error.hint = why;
-    return Unexpected(std::move(error));
-  }
+  FORCEGATE_CHECK_OK(check_channels(campaign, request.maps));
   return campaign;
 }
 
@@ -99,14 +99,14 @@ std::string left_out_columns(const Campaign& campaign, const Record& record) {
 
 }  // namespace
 
-Result<void> check_channels(const Campaign& campaign) {
+Result<void> check_channels(const Campaign& campaign, const std::vector<std::string>& maps) {
   for (const Record& record : campaign.records)
     for (const auto& [name, what, unit] :
          {std::tuple{"F_ref", "reference force", "N"}, std::tuple{"U", "output", "V"}}) {
       if (record.trace.find(name)) continue;
       std::vector<std::string> columns;
       std::string in_grams;
-      const std::string of_text = left_out_columns(campaign, record);
+      const std::string of_text = left_out_columns(campaign, record), away = mapped_away(maps, name);
       for (const Channel& c : record.trace.channels) {
         columns.push_back(written_header(c, record.headers));
         // a weight in grams: "g" may also be an acceleration, and is no unit here
@@ -116,7 +116,8 @@ Result<void> check_channels(const Campaign& campaign) {
       }
       return fail(ErrorCode::parse, std::string("no column is the ") + what + ": there are " + join(columns, ", ") + of_text,
                   record.place_of_header(),
-                  of_text.find(" is a meter over its range") != std::string::npos
+                  !away.empty() ? away
+                  : of_text.find(" is a meter over its range") != std::string::npos
                       ? "empty the cells where the meter is over its range: they are missing values, or a conductance of 0"
                   : in_grams.empty() ? "name one, for instance " + column_map_advice(record.trace, name, unit, record.headers) +
                                            (std::string_view(name) == "F_ref" && record.trace.find("U") != nullptr

@@ -31,8 +31,8 @@ Result<Model> load_model(const CampaignRequest& request, Campaign& campaign);
 Result<Campaign> load_recordings(const CampaignRequest& request);
 /// The same, where every record must have force and output (check_channels).
 Result<Campaign> load_campaign(const CampaignRequest& request);
-/// Every record needs a force and an output. Errors: parse, with the columns that there are and how to map them.
-Result<void> check_channels(const Campaign& campaign);
+/// Every record needs a force and an output. `maps` are those that were asked for. Errors: parse, with the columns that there are and how to map them.
+Result<void> check_channels(const Campaign& campaign, const std::vector<std::string>& maps);
 /// Where an error names a record, or a campaign that is one file: the file. Made before the engine takes the campaign.
 class PlacesOf {
  public:

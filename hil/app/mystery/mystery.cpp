@@ -123,12 +123,18 @@ Result<MysteryResult> make_mystery(const MysteryRequest& request,
 
   const std::string nonce = sha256_hex("nonce/" + std::to_string(request.seed)).substr(0, 32);
   const hidden::SealedSheet sheet = hidden::seal(hidden::to_json(made.truth), nonce);
+  const auto interrupted = [&] { return request.interrupted && request.interrupted(); };
+  interrupted();  // from here on nothing ends the program without cleaning up
   NewFolder folder(request.folder);
   FORCEGATE_CHECK_OK(make_folder(request.folder));
   FORCEGATE_CHECK_OK(check_writable(request.folder / hidden::kSealedFile));
   if (on_commitment) on_commitment(sheet.commitment);
-  FORCEGATE_CHECK_OK(hidden::write_campaign(made, request.folder, request.overwrite));
-  FORCEGATE_CHECK_OK(hidden::write_sealed(sheet, request.folder));
+  FORCEGATE_CHECK_OK(hidden::write_campaign(made, request.folder, request.overwrite, interrupted));
+  if (auto sealed = hidden::write_sealed(sheet, request.folder); !sealed) {
+    hidden::take_back_campaign(made, request.folder);
+    std::filesystem::remove(request.folder / hidden::kSealedFile, error);
+    return Unexpected(std::move(sealed).error());
+  }
   folder.keep();
 
   MysteryResult result;

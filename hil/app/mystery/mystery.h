@@ -19,6 +19,7 @@ struct MysteryRequest {
   std::string strength;           ///< "weak", "medium", "strong"; "": drawn
   double minutes = 20.0;          ///< length of the long sines
   bool overwrite = false;
+  std::function<bool()> interrupted;  ///< first asked before the first file, then before each: then what was written is taken back
 };
 
 struct MysteryResult {

@@ -10,6 +10,7 @@
 #include "hil/app/gate/repeats.h"
 #include "hil/app/gate/weight_gate.h"
 #include "hil/app/play/worker.h"
+#include "hil/base/plain_number.h"
 #include "hil/base/read_file.h"
 #include "hil/gate/case_json.h"
 #include "hil/gate/case_result.h"
@@ -255,12 +256,12 @@ Result<CheckAnswer> check_run(const CheckRequest& request, const GateProgress& p
 
 std::string check_text(const CheckAnswer& a) {
   std::string out = fmt::format("{}: {}\n", to_string(a.result.decision.kind), a.result.decision.reason);
-  out += fmt::format("  bundle {}, {} records, every file as the run wrote it\n", a.bundle_id.substr(0, 16),
-                     a.records);
+  out += fmt::format("  bundle {}, {}, every file as the run wrote it\n", a.bundle_id.substr(0, 16),
+                     counted(a.records, "record"));
   if (a.measured_again > 0)
-    out += fmt::format("  {} records measured again from their samples\n", a.measured_again);
+    out += "  " + counted(a.measured_again, "record") + " measured again from " + (a.measured_again == 1 ? "its" : "their") + " samples\n";
   if (a.played_again > 0)
-    out += fmt::format("  {} records played again by the emulated rig\n", a.played_again);
+    out += "  " + counted(a.played_again, "record") + " played again by the emulated rig\n";
   if (a.other_limits)
     out += fmt::format("  under the limits of the run: {}: {}\n", to_string(a.stored.kind), a.stored.reason);
   else if (!a.same_bytes && !a.not_repeated.empty())

@@ -10,6 +10,7 @@
 #include "hil/app/gate/bundle.h"
 #include "hil/app/gate/same_conditions.h"
 #include "hil/base/json_number.h"
+#include "hil/base/plain_number.h"
 #include "hil/base/text.h"
 #include "hil/gate/statistics.h"
 #include "hil/report/result_json.h"
@@ -50,7 +51,7 @@ void note_calibrations(RunDiff& d) {
     const std::string what = calibration_difference(a.calibration, b->calibration);
     if (!what.empty() && other++ == 0) first = a.id + " " + what;
   }
-  if (other > 0) d.differences.push_back(fmt::format("calibration of {} records: {}", other, first));
+  if (other > 0) d.differences.push_back(fmt::format("calibration of {}: {}", counted(other, "record"), first));
 }
 
 void compare_conditions(RunDiff& d) {

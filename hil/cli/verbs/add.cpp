@@ -30,7 +30,7 @@ Result<int> run(const Invocation& in) {
   if (!html.empty()) FORCEGATE_CHECK_OK(check_writable(html));
   FORCEGATE_TRY(const diagnose::Refit answer, add_request(request));
   // the answer first: it stands, whatever becomes of its page
-  in.console().print(refit_text(answer, request.effect));
+  in.console().print(refit_text(answer, request.effect, !in.console().quiet()));
   if (!html.empty()) {
     FORCEGATE_TRY(const std::string page, added_page(request, answer, in.command_line()));
     FORCEGATE_CHECK_OK(write_file_atomically(html, page));

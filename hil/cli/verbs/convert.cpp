@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "hil/base/plain_number.h"
 #include "hil/base/text.h"
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
@@ -26,7 +27,7 @@ std::vector<std::string> print_notes(Console& console, const std::vector<std::st
   std::vector<std::string> shown;
   for (const std::string& note : notes) {
     shown.push_back(printable_utf8(note));
-    console.print("  note: " + shown.back());
+    if (!console.quiet()) console.print("  note: " + shown.back());
   }
   return shown;
 }
@@ -40,7 +41,7 @@ Result<int> run_split(const Invocation& in, ConvertRequest given) {
     parts.push_back({{"part", printable_utf8(p.part)}, {"file", printable_utf8(p.file.string())}, {"samples", p.rows}, {"duration_s", p.duration_s}});
   }
   const std::vector<std::string> notes = print_notes(console, report.notes);
-  console.print(fmt::format("{} files written to {}", report.parts.size(), in.text("TO")));
+  console.print(counted(report.parts.size(), "file") + " written to " + in.text("TO"));
   console.print_json(nlohmann::ordered_json{{"format", 1}, {"from", printable_utf8(in.text("FROM"))}, {"to", printable_utf8(in.text("TO"))}, {"split", printable_utf8(in.text("split"))}, {"parts", parts}, {"notes", notes}}
                          .dump(2));
   console.next("forcegate diagnose " + shell_quoted(report.take_turns ? report.parts.front().file.string() : in.text("TO")));

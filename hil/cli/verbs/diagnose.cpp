@@ -5,6 +5,7 @@
 #include "hil/app/files/own_file.h"
 #include "hil/app/files/write_file.h"
 #include "hil/app/pictures/pictures.h"
+#include "hil/base/plain_number.h"
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
 #include "hil/cli/verbs/campaign_options.h"
@@ -35,7 +36,7 @@ Result<int> run(const Invocation& in) {
   }
   if (!folder.empty()) {
     FORCEGATE_TRY(const auto files, write_pictures(answer, pictures, folder, in.flag("force")));
-    console.note(fmt::format("wrote {} pictures into {}", files.size(), folder));
+    console.note("wrote " + counted(files.size(), "picture") + " into " + folder);
   }
   console.print_json(to_json(answer));  // one document: an error of the pictures would be a second
   console.next(line_after_diagnosis(in, answer,

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <iterator>
 #include <nlohmann/json.hpp>
 
@@ -34,9 +35,16 @@ std::string row_of(const std::string& head, const std::string& words) {
   return fmt::format("  {:<14}{}", head, wrapped(words, 16).substr(16));
 }
 
-std::string line_after(const std::string& kind) {
-  if (kind == "exit code") return "forcegate doctor";
-  if (kind == "check") return "forcegate gate --help";
+// What a gate left here shows its checks over time.
+const std::filesystem::path kPageOfLastRun = std::filesystem::path("forcegate-run") / "report.html";
+
+std::string line_after(const std::string& term, const std::string& kind) {
+  if (kind == "exit code") {
+    if (term == "1") return "forcegate explain REJECT";
+    if (term == "3") return "forcegate explain NO-DECISION";
+    return term == "130" ? "forcegate recover --help" : "forcegate doctor";
+  }
+  if (term == "NO-DECISION") return "forcegate plan --help";
   if (kind == "header") return "forcegate export --help";
   return kind == "diagnosis" || kind == "side" || kind == "effect" ? "forcegate diagnose --help" : "forcegate report --help";
 }
@@ -102,7 +110,10 @@ Result<int> run(const Invocation& in) {
     add(e);
   }
   console.print_json(document.dump(2));
-  console.next(line_after(found.back().kind));  // what was read last
+  const Explanation& last = found.back();
+  std::error_code unknown;
+  if (last.kind == "check" && std::filesystem::exists(kPageOfLastRun, unknown)) console.look_at(kPageOfLastRun.string());
+  else console.next(line_after(last.term, last.kind));
   return kExitSuccess;
 }
 

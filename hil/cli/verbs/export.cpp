@@ -72,7 +72,7 @@ Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(ExportResult answer, export_model(request));
   const std::string no_plan = "there is no plan " + in.text("plan") + " here, whose calibration would be taken back: the firmware must calibrate by the model, as with --plan none";
   if (without_plan) in.console().note(no_plan);
-  in.console().print(export_text(answer));
+  in.console().print(export_text(answer, !in.console().quiet()));
   if (without_plan) answer.notes.push_back(no_plan);
   in.console().print_json(export_json(answer));
   if (answer.check && !objections(*answer.check).empty()) {

@@ -19,7 +19,7 @@ Result<int> run(const Invocation& in) {
   if (!in.flag("force")) FORCEGATE_CHECK_OK(check_own_file(output, kMarkOfModel));
   FORCEGATE_TRY(const diagnose::Refit answer, fit_request(request, ""));
   if (!output.empty()) FORCEGATE_CHECK_OK(write_file_atomically(output, write_model(answer.model)));
-  in.console().print(refit_text(answer, ""));
+  in.console().print(refit_text(answer, "", !in.console().quiet()));
   in.console().print_json(refit_json(answer, ""));
   if (output.empty())
     in.console().next("forcegate fit " + campaign_words(in, in.text("CAMPAIGN")) + model_words(in) + " -o model.toml");

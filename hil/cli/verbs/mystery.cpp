@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "hil/base/plain_number.h"
 #include "hil/base/text.h"
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
@@ -32,14 +33,16 @@ Result<int> run(const Invocation& in) {
   request.effect = in.text("effect");
   request.strength = in.text("strength");
   request.overwrite = in.flag("force");
+  request.interrupted = [&in] { return in.interrupt_flag().load(); };
   if (in.given("pair")) request.pair = split(in.text("pair"), ',');
 
   Console& console = in.console();
   FORCEGATE_TRY(const MysteryResult made, make_mystery(request, [&](const std::string& commitment) {
                   console.print("commitment " + commitment + "  (SHA-256 of the sealed truth)");
+                  console.flush();
                 }));
-  console.print(fmt::format("{}: {} records, {} samples, {:.0f} minutes of rig time", made.folder.string(),
-                            made.records, made.rows, made.campaign_minutes));
+  console.print(fmt::format("{}: {}, {}, {:.0f} minutes of rig time", made.folder.string(),
+                            counted(made.records, "record"), counted(made.rows, "sample"), made.campaign_minutes));
   console.print("with an answer: forcegate reveal " + shell_quoted(made.folder.string()) + " --effect NAME");
   console.print_json(nlohmann::ordered_json{{"format", 1},
                                             {"folder", made.folder.string()},
@@ -64,7 +67,8 @@ const Registration<Command> kRow{Command{
         "down are drawn "
         "from the seed.\n\nThe truth is sealed in DIR/sealed_truth.json. Its SHA-256 is printed before the "
         "data are "
-        "written: keep it, and `forcegate reveal` proves that the truth was not changed afterwards.",
+        "written: keep it, and `forcegate reveal` proves that the truth was not changed afterwards (with --json it stands in the answer). "
+        "What is interrupted leaves nothing behind, and the same command works again.",
     .positionals = {{.name = "DIR", .doc = "Folder to write.", .required = false, .names = Names::folder}},
     .options =
         {{.name = "seed", .value_name = "N", .doc = "Seed of everything.", .fallback = "1"},

@@ -36,7 +36,7 @@ Json to_json(const PlanEstimate& e) {
 
 Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const PlanEstimate estimate, estimate_named_plan(in.text("PLAN")));
-  in.console().print(plan_in_words(estimate, in.flag("estimate")));
+  in.console().print(plan_in_words(estimate, in.flag("estimate"), !in.console().quiet()));
   in.console().print_json(to_json(estimate).dump(2));
   const std::optional<std::string> image = shipped_image(estimate.weights ? "two-variable.native.so" : "reference.native.so");
   if (estimate.name == "campaign")  // it judges no firmware

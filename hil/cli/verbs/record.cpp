@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "hil/base/plain_number.h"
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
 #include "hil/cli/verbs/rig_choice.h"
@@ -24,7 +25,7 @@ Result<int> run(const Invocation& in) {
   const auto made = record(request, in.console().progress_callback(), &in.interrupt_flag());
   in.console().end_progress();
   if (!made) return Unexpected(made.error());
-  std::string text = fmt::format("{}: {} records, {:.0f} min of rig time without rests{}\n", made->folder.string(), made->files.size(), made->rig_minutes,
+  std::string text = fmt::format("{}: {}, {:.0f} min of rig time without rests{}\n", made->folder.string(), counted(made->files.size(), "record"), made->rig_minutes,
                                  made->were_there > 0 ? fmt::format(", beside {} that were there", made->were_there) : "");
   for (const RecordedFile& f : made->files)
     text += fmt::format("  {:<32} {:>6.0f} s {:>8} rows\n", f.file, f.duration_s, f.rows);

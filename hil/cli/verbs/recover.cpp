@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "hil/base/plain_number.h"
 #include "hil/base/text.h"
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
@@ -16,15 +17,15 @@ Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const Recovered done, recover(request));
   const JournalReport& r = done.report;
   Console& console = in.console();
-  console.print(fmt::format("{} frames, {} samples up to {} s{}", r.frames, r.samples, shortest(r.last_s),
-                            r.raw_frames > 0 ? fmt::format(", {} raw frames", r.raw_frames) : ""));
+  console.print(fmt::format("{}, {} up to {} s{}", counted(r.frames, "frame"), counted(r.samples, "sample"), shortest(r.last_s),
+                            r.raw_frames > 0 ? ", " + counted(r.raw_frames, "raw frame") : ""));
   console.print(r.closed ? "the recording had ended properly"
                          : "the recording was cut off; all whole frames are saved");
   if (r.bytes_skipped > 0)
     console.print(
-        fmt::format("{} bytes in {} damaged places were left out", r.bytes_skipped, r.damaged_places));
+        fmt::format("{} in {} were left out", counted(r.bytes_skipped, "byte"), counted(r.damaged_places, "damaged place")));
   if (r.rows_dropped > 0)
-    console.print(fmt::format("{} samples whose time ran backwards were left out", r.rows_dropped));
+    console.print(counted(r.rows_dropped, "sample") + " whose time ran backwards " + (r.rows_dropped == 1 ? "was" : "were") + " left out");
   console.print("written to " + done.output.string());
   console.print_json(nlohmann::ordered_json{
       {"format", 1},

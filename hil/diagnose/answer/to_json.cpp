@@ -104,12 +104,20 @@ Json repeatability_json(const Repeatability& r) {
           {"wander_V", number(r.wander_V)}};
 }
 
-Json segment_json(const ExperimentSegment& s) {
+Json segment_json(const ExperimentSegment& s, std::size_t at) {
   Json numbers = Json::object();
   for (const auto& [name, value] : s.numbers) numbers[name] = number(value);
+  for (const auto& [name, values] : s.lists) {
+    numbers[name] = Json::array();
+    for (const double value : values) numbers[name].push_back(number(value));
+  }
   return {{"name", s.name},
           {"stimulus", s.stimulus},
           {"numbers", numbers},
+          {"profile", profile_name(s, at)},
+          {"low_N", number(s.low_N())},
+          {"high_N", number(s.high_N())},
+          {"rise_degC", number(s.rise_degC)},
           {"minutes", number(s.minutes)},
           {"separates", s.separates},
           {"cos_before", number(s.cosine_before)},
@@ -149,7 +157,7 @@ std::string to_json(const Diagnosis& d) {
   out["unit"] = d.unit;
   out["errors"] = errors_json(d);
   out["floor"] = number(d.floor);
-  out["adapted"] = adapted_json(d.levels);
+  out["adapted"] = d.no_input ? Json::array() : adapted_json(d.levels);
   out["judged_by"] = to_string(d.judged_by);
   out["plain"] = {{"before", number(d.plain_before)}, {"after", number(d.plain_after)}};
   out["records"] = list_json(d.records, record_json);
@@ -160,7 +168,9 @@ std::string to_json(const Diagnosis& d) {
   out["repeatability"] = repeatability_json(d.repeatability);
   out["not_separable"] = d.not_separable;
   out["expected_false"] = number(d.expected_false);
-  out["next_experiment"] = {{"segments", list_json(d.next_experiment.segments, segment_json)},
+  Json segments = Json::array();
+  for (const ExperimentSegment& s : d.next_experiment.segments) segments.push_back(segment_json(s, segments.size() + 1));
+  out["next_experiment"] = {{"segments", segments},
                             {"minutes", number(d.next_experiment.minutes)},
                             {"sentence", d.next_experiment.sentence}};
   out["refused"] = list_json(d.refused, refused_json);

@@ -230,6 +230,7 @@ Result<Diagnosis> diagnose_drift(const Campaign& campaign) {
   Diagnosis out;
   out.campaign = campaign.name;
   out.model = "law of time";
+  out.no_input = true;
   out.judged_by = JudgedBy::left_out;
   out.notes = campaign.notes;
   tell_what_is_there(campaign, out);

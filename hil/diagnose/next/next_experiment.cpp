@@ -101,13 +101,18 @@ double noise_of(const Workspace& w, const Diagnosis& d, const Rival& leader) {
 ExperimentSegment as_planned(const Workspace& w, const Segment& s) {
   ExperimentSegment out;
   out.name = s.name;
-  out.stimulus = s.stimulus;
+  out.kind = s.kind;
   out.minutes = s.minutes;
+  StimulusSpec stimulus = stimulus_of(w, s);
+  out.stimulus = std::move(stimulus.name);
+  out.numbers = std::move(stimulus.numbers);
+  out.lists = std::move(stimulus.lists);
   const RecordInput played = simulate(w, s);
-  out.numbers = numbers_of(s, played);
   out.t_s = played.fast_t_s;
   out.force_N = played.fast_F_N;
+  out.f_min_Hz = s.f_min_Hz;
   out.heats = s.temperature_C != 0.0;
+  out.rise_degC = s.temperature_C;
   return out;
 }
 

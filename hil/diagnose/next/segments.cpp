@@ -72,53 +72,78 @@ double touch_and_release(double t, double, double high) { return std::max(0.0, t
 
 double small_sine(double t, double low, double high) { return sine(t, 0.5, low, low + 0.15 * (high - low)); }
 
+// As many decimals as the files of forces have.
+double rounded(double force_N) { return std::round(1e5 * force_N) / 1e5; }
+
+Parameters rest_at(double share, double duration_s) {
+  return [=](double low, double high) { return StimulusSpec{"rest", {{"level_N", rounded(low + share * (high - low))}, {"duration_s", duration_s}}, {}, {}}; };
+}
+
+Parameters step_for(double hold_s, double duration_s) {
+  return [=](double low, double high) {
+    return StimulusSpec{"step", {{"low_N", rounded(low)}, {"high_N", rounded(high)}, {"at_s", 10.0}, {"hold_s", hold_s}, {"duration_s", duration_s}}, {}, {}};
+  };
+}
+
+Parameters ramps(double period_s, double cycles) {
+  return [=](double low, double high) {
+    return StimulusSpec{"ramp", {{"low_N", rounded(low)}, {"high_N", rounded(high)}, {"sweep_s", 0.5 * period_s}, {"cycles", cycles}}, {}, {}};
+  };
+}
+
+// Amplitude and middle of a sine over a share of the range; its lowest force is the lower level, so that none is below 0.
+std::map<std::string, double> swing(double low, double high, double share) {
+  const double A = rounded(0.5 * share * (high - low));
+  return {{"A_N", A}, {"m_N", rounded(rounded(low) + A)}};
+}
+
+StimulusSpec small_sine_of(double low, double high) {
+  StimulusSpec out{"sine", swing(low, high, 0.15), {}, {}};
+  out.numbers["f_Hz"] = 0.5;
+  out.numbers["duration_s"] = 60.0;
+  return out;
+}
+
+Parameters jump_of(double f_Hz, double then_f_Hz, double stretch_s) {
+  return [=](double low, double high) {
+    return StimulusSpec{"jump", swing(low, high, 1.0), {{"f_Hz", {f_Hz, then_f_Hz}}, {"stretch_s", {stretch_s, stretch_s}}}, {}};
+  };
+}
+
+StimulusSpec two_levels_of(double low, double high) {
+  return {"staircase",
+          {{"dwell_s", 120.0}, {"transition_s", 0.0}, {"up_down", 0.0}},
+          {{"levels_N", {rounded(low), rounded(0.5 * (low + high)), rounded(high), rounded(low)}}},
+          {}};
+}
+
 std::vector<Segment> all_segments() {
   return {
-      {.name = "rest", .stimulus = "rest", .minutes = 2.0, .force = at_low},
-      {.name = "hold for 10 s", .stimulus = "step", .minutes = 0.5, .numbers = {{"hold_s", 10}}, .force = hold(10.0)},
-      {.name = "hold for 100 s, then unload", .stimulus = "step", .minutes = 4.0, .numbers = {{"hold_s", 100}}, .force = hold(100.0)},
-      {.name = "hold for 10 min, then unload", .stimulus = "step", .minutes = 16.0, .numbers = {{"hold_s", 600}}, .force = hold(600.0)},
-      {.name = "holds at two levels", .stimulus = "staircase", .minutes = 8.0, .numbers = {{"hold_s", 120}}, .force = two_levels},
-      {.name = "slow triangle", .stimulus = "ramp", .minutes = 4.0, .numbers = {{"period_s", 120}}, .force = triangles(120.0)},
-      {.name = "triangle", .stimulus = "ramp", .minutes = 1.0, .numbers = {{"period_s", 12}}, .force = triangles(12.0)},
-      {.name = "fast triangle", .stimulus = "ramp", .minutes = 0.5, .numbers = {{"period_s", 1.2}}, .force = triangles(1.2)},
-      {.name = "triangles at two speeds",
-       .stimulus = "ramp",
-       .minutes = 3.0,
-       .numbers = {{"period_s", 120}, {"second_period_s", 6}},
-       .force = triangles(120.0, 120.0, 6.0)},
-      {.name = "shrinking minor loops", .stimulus = "staircase", .minutes = 3.0, .numbers = {{"loops", 8}}, .force = minor_loops},
-      {.name = "chirp", .stimulus = "chirp", .minutes = 2.0, .numbers = {{"f_start_Hz", 0.05}, {"f_end_Hz", 5}}, .force = chirp},
-      {.name = "sines at 0.2 and 4 Hz",
-       .stimulus = "multisine",
-       .minutes = 2.0,
-       .numbers = {{"f1_Hz", 0.2}, {"f2_Hz", 4}},
-       .force = sines(0.2, 60.0, 4.0)},
-      {.name = "fast edges", .stimulus = "step", .minutes = 0.5, .numbers = {{"edge_ms", 20}}, .force = edges},
-      {.name = "fast edges at low and high load",
-       .stimulus = "step",
-       .minutes = 1.0,
-       .numbers = {{"edge_ms", 20}},
-       .force = edges_at_both_loads},
-      {.name = "fast edges at both ends of a long hold",
-       .stimulus = "step",
-       .minutes = 16.0,
-       .numbers = {{"hold_s", 900}},
-       .force = edges_around_a_hold},
-      {.name = "touch and release", .stimulus = "ramp", .minutes = 1.0, .numbers = {{"F_top_N", 0}}, .force = touch_and_release},
-      {.name = "small sine near zero", .stimulus = "sine", .minutes = 1.0, .numbers = {{"f_Hz", 0.5}}, .force = small_sine},
-      {.name = "heat at constant load",
-       .stimulus = "rest",
-       .minutes = 15.0,
-       .numbers = {{"ramp_C", 10}},
-       .force = at_middle,
-       .temperature_C = 10.0},
-      {.name = "repeat of the first ramp", .stimulus = "ramp", .minutes = 2.0, .numbers = {{"period_s", 60}}, .force = triangles(60.0)},
+      {.name = "rest", .kind = "rest", .minutes = 2.0, .parameters = rest_at(0.0, 120.0), .force = at_low},
+      {.name = "hold for 10 s", .kind = "step", .minutes = 0.5, .parameters = step_for(10.0, 30.0), .force = hold(10.0)},
+      {.name = "hold for 100 s, then unload", .kind = "step", .minutes = 4.0, .parameters = step_for(100.0, 240.0), .force = hold(100.0)},
+      {.name = "hold for 10 min, then unload", .kind = "step", .minutes = 16.0, .parameters = step_for(600.0, 960.0), .force = hold(600.0)},
+      {.name = "holds at two levels", .kind = "staircase", .minutes = 8.0, .parameters = two_levels_of, .force = two_levels},
+      {.name = "slow triangle", .kind = "ramp", .minutes = 4.0, .parameters = ramps(120.0, 2.0), .force = triangles(120.0)},
+      {.name = "triangle", .kind = "ramp", .minutes = 1.0, .parameters = ramps(12.0, 5.0), .force = triangles(12.0)},
+      {.name = "fast triangle", .kind = "ramp", .minutes = 0.5, .parameters = ramps(1.2, 25.0), .force = triangles(1.2)},
+      {.name = "triangles at two speeds", .kind = "ramp", .minutes = 3.0, .force = triangles(120.0, 120.0, 6.0)},
+      {.name = "shrinking minor loops", .kind = "staircase", .minutes = 3.0, .force = minor_loops},
+      {.name = "chirp", .kind = "chirp", .minutes = 2.0, .f_min_Hz = 0.05, .force = chirp},
+      {.name = "sines at 0.2 and 4 Hz", .kind = "multisine", .minutes = 2.0, .f_min_Hz = 0.2, .parameters = jump_of(0.2, 4.0, 60.0), .force = sines(0.2, 60.0, 4.0)},
+      {.name = "fast edges", .kind = "step", .minutes = 0.5, .force = edges},
+      {.name = "fast edges at low and high load", .kind = "step", .minutes = 1.0, .force = edges_at_both_loads},
+      {.name = "fast edges at both ends of a long hold", .kind = "step", .minutes = 16.0, .force = edges_around_a_hold},
+      {.name = "touch and release", .kind = "ramp", .minutes = 1.0, .force = touch_and_release},
+      {.name = "small sine near zero", .kind = "sine", .minutes = 1.0, .f_min_Hz = 0.5, .parameters = small_sine_of, .force = small_sine},
+      {.name = "heat at constant load", .kind = "rest", .minutes = 15.0, .parameters = rest_at(0.5, 900.0), .force = at_middle, .temperature_C = 10.0},
+      {.name = "repeat of the first ramp", .kind = "ramp", .minutes = 2.0, .parameters = ramps(60.0, 2.0), .force = triangles(60.0)},
       {.name = "sine, then a jump of frequency",
-       .stimulus = "jump",
+       .kind = "jump",
        .minutes = 6.0,
        .dynamic = true,
-       .numbers = {{"f1_Hz", 0.5}, {"f2_Hz", 2}},
+       .f_min_Hz = 0.5,
+       .parameters = jump_of(0.5, 2.0, 180.0),
        .force = sines(0.5, 180.0, 2.0),
        .jump_s = 180.0,
        .jump_log_ratio = std::log(4.0)},
@@ -132,12 +157,6 @@ const std::vector<Segment>& segments() {
   return kSegments;
 }
 
-std::map<std::string, double> numbers_of(const Segment& segment, const RecordInput& played) {
-  std::map<std::string, double> out = segment.numbers;
-  if (const auto top = out.find("F_top_N"); top != out.end()) top->second = *std::ranges::max_element(played.fast_F_N);
-  return out;
-}
-
 namespace {
 
 struct Levels {
@@ -146,6 +165,8 @@ struct Levels {
 
 constexpr double kStep_s = 0.005;
 constexpr double kEdge = 0.05;  // of the campaign's range, left out at either end
+
+Levels levels_of(const Workspace& w) { return {w.input.lowest_N + kEdge * w.input.range_N, w.input.lowest_N + (1.0 - kEdge) * w.input.range_N}; }
 
 // Rows of at least four samples, 6000 of them at most.
 void play(const Segment& s, const Levels& levels, RecordInput& r) {
@@ -187,8 +208,14 @@ void add_angle(const Levels& levels, RecordInput& r) {
 
 }  // namespace
 
+StimulusSpec stimulus_of(const Workspace& w, const Segment& s) {
+  constexpr double kMost_N = 20.0;  // of a profile; it does not pull either
+  const Levels levels = levels_of(w);
+  return s.parameters && levels.low >= 0.0 && levels.high <= kMost_N ? s.parameters(levels.low, levels.high) : StimulusSpec{"replay", {}, {}, {}};
+}
+
 RecordInput simulate(const Workspace& w, const Segment& s) {
-  const Levels levels{w.input.lowest_N + kEdge * w.input.range_N, w.input.lowest_N + (1.0 - kEdge) * w.input.range_N};
+  const Levels levels = levels_of(w);
   RecordInput r;
   r.name = s.name;
   r.duration_s = 60.0 * s.minutes;

@@ -2,29 +2,34 @@
 // S8: pieces of rig time that a next experiment may be made of.
 
 #include <functional>
-#include <map>
 #include <string>
 #include <vector>
 
 #include "hil/diagnose/workspace.h"
+#include "hil/interface/stimulus.h"
 
 namespace forcegate::diagnose {
 
 /// Force at t between two levels of the campaign's range, N.
 using ForceCourse = std::function<double(double t_s, double low_N, double high_N)>;
 
+/// The same force as a profile of stimuli/ takes it; without a name where none of them plays it.
+using Parameters = std::function<StimulusSpec(double low_N, double high_N)>;
+
 struct Segment {
-  std::string name, stimulus;
+  std::string name;
+  std::string kind;  ///< of the record, as a campaign's description calls it
   double minutes = 0.0;
   bool dynamic = false;
-  std::map<std::string, double> numbers{};
+  double f_min_Hz = 0.0;  ///< lowest frequency of its cycles; 0: not cyclic
+  Parameters parameters{};
   ForceCourse force;
   double temperature_C = 0.0;                 ///< ramp over the segment, when the rig can heat
   double jump_s = 0.0, jump_log_ratio = 0.0;  ///< where the frequency of its cycles changes, ln(f2/f1); 0: nowhere
 };
 
-/// `numbers` as played: "F_top_N" is the largest force, which goes with the campaign's range.
-std::map<std::string, double> numbers_of(const Segment& segment, const RecordInput& played);
+/// What `forcegate stimulus` plays it by, between two levels of the campaign; "replay" of a file where no profile is this force.
+StimulusSpec stimulus_of(const Workspace& workspace, const Segment& segment);
 
 /// Twenty of them; each holds the base law down in its own way.
 const std::vector<Segment>& segments();

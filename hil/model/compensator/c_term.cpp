@@ -184,6 +184,7 @@ Result<CTerm> c_term(const UserEffect& e, const CTermContext& x) {
   add_rate(t, x);
   FORCEGATE_TRY(const LeastSlope least, least_slope(e, x));
   t.slope_min = std::min(0.0, kSlopeMargin * least.slope);
+  t.margin = std::min(0.0, least.slope) - t.slope_min;
   if (least.slope <= -1.0)
     t.falls = fmt::format("where the force {} from {:.2g} N its output goes the other way by {:.2g} N a newton, so that two forces give one voltage",
                           least.falling ? "falls" : "rises", least.force_N, -least.slope);

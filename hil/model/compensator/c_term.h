@@ -20,6 +20,7 @@ struct CTerm {
   std::string commit;      ///< statements in F, W
   std::string start;       ///< expression for a force to search from, better than the one before; empty: none
   double slope_min = 0.0;  ///< lower bound of d value / dF without decay
+  double margin = 0.0;     ///< of it: what was found lies higher by so much
   std::string falls;       ///< where the output falls or stands as the force rises, in words; empty: nowhere, or not looked for
   int once = 0;            ///< floating-point operations of prepare and commit
   int each = 0;            ///< of value

@@ -139,6 +139,7 @@ Result<std::vector<CTerm>> terms_of(const Model& model, const CompensatorOptions
 // What the terms come to together.
 struct Together {
   double slope = 1.0;        // dE/dF at least, of a sudden change of force
+  double margin = 0.0;       // what was found lies higher by so much
   int once = 40, each = 6;   // floating-point operations, of a sample and of an evaluation
   std::size_t state_bytes = 48;
   bool exp = false, ln = false, sqrt = false, tanh = false, pow = false, power = false, temperature = false;  // functions and inputs
@@ -146,6 +147,7 @@ struct Together {
   explicit Together(const std::vector<CTerm>& terms) {
     for (const CTerm& t : terms) {
       slope += t.slope_min;
+      margin += t.margin;
       once += t.once;
       each += t.each + 1;
       state_bytes += t.bytes;
@@ -160,7 +162,7 @@ struct Together {
   }
 };
 
-Result<void> check_can_be_inverted(const std::vector<CTerm>& terms, double slope) {
+Result<void> check_can_be_inverted(const std::vector<CTerm>& terms, double slope, double margin) {
   if (slope >= kLeastSlope) return {};
   std::string steepest = "the model", falls;
   double least = 0.0;
@@ -169,9 +171,10 @@ Result<void> check_can_be_inverted(const std::vector<CTerm>& terms, double slope
   if (!falls.empty())
     return c_terms::refuse(steepest, falls, "export a model file without this effect, or give it an equation that grows with the force");
   return fail(ErrorCode::config,
-              fmt::format("{} cannot be compensated on a microcontroller: it leaves {:.2g} of a sudden change of force in the output, and its "
+              fmt::format("{} cannot be compensated on a microcontroller: it leaves {:.2g} of a sudden change of force in the output{}, and its "
                           "inverse would amplify noise by more than {:.0f}",
-                          steepest, std::max(0.0, slope), 1.0 / kLeastSlope),
+                          steepest, std::max(0.0, slope + margin),
+                          slope + margin < kLeastSlope ? "" : " where that was tried, less than a tenth for certain", 1.0 / kLeastSlope),
               steepest, "filter the reference alike, or accept the lag");
 }
 
@@ -260,7 +263,7 @@ Result<Compensator> make_compensator(const Model& model, const CompensatorOption
   constexpr int kBesideEvaluation = 7;  // operations
   FORCEGATE_TRY(const std::vector<CTerm> terms, terms_of(model, options));
   const Together all(terms);
-  FORCEGATE_CHECK_OK(check_can_be_inverted(terms, all.slope));
+  FORCEGATE_CHECK_OK(check_can_be_inverted(terms, all.slope, all.margin));
   Compensator out;
   out.id = short_id(model);
   for (const CTerm& t : terms) out.effects.push_back(t.title);

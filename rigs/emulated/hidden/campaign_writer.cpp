@@ -141,11 +141,12 @@ void remove_recordings(const fs::path& folder) {
     const fs::path file = record["file"].get<std::string>();
     if (file == file.filename() && file.extension() == ".csv") fs::remove(folder / file, ignored);
   }
+  fs::remove(folder / kSealedFile, ignored);  // it would be taken for that of the new campaign
 }
 
 }  // namespace
 
-Result<void> write_campaign(const MadeCampaign& made, const fs::path& folder, bool overwrite) {
+Result<void> write_campaign(const MadeCampaign& made, const fs::path& folder, bool overwrite, const std::function<bool()>& interrupted) {
   std::error_code error;
   const fs::path list = folder / "campaign.json";
   if (!overwrite && fs::exists(list, error))
@@ -161,12 +162,22 @@ Result<void> write_campaign(const MadeCampaign& made, const fs::path& folder, bo
     fs::remove(files.back(), error);  // of a campaign that is overwritten
   }
   FORCEGATE_CHECK_OK(write_text(list, json.dump(1) + "\n"));
-  for (std::size_t i = 0; i < files.size(); ++i)
-    if (auto written = write_text(files[i], csv_text(made.records[i])); !written) {
-      fs::remove(list, error);
-      return written;
-    }
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    auto written = interrupted && interrupted() ? Result<void>(fail(ErrorCode::cancelled, "interrupted: what was written is taken back", folder.string(),
+                                                                    "the same command writes the campaign anew"))
+                                                : write_text(files[i], csv_text(made.records[i]));
+    if (written) continue;
+    take_back_campaign(made, folder);
+    return written;
+  }
   return {};
+}
+
+void take_back_campaign(const MadeCampaign& made, const fs::path& folder) {
+  std::error_code ignored;
+  fs::remove(folder / "campaign.json", ignored);
+  const Json json = description(made);
+  for (const Json& record : json["records"]) fs::remove(folder / record["file"].get<std::string>(), ignored);
 }
 
 Result<std::vector<std::string>> append_records(const MadeCampaign& made,

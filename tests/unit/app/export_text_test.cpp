@@ -45,6 +45,7 @@ TEST(ExportJson, SaysWhatTheTextNotes) {
   EXPECT_THAT(told, testing::UnorderedElementsAre("1 of 2 records is worse with the effects than with the law alone", "of the fit", "of the header",
                                                   "not held against the model's own inverse: there is no C compiler", "an LSB is here that of 16 bits over 10 V"));
   for (const std::string& note : told) EXPECT_THAT(text, HasSubstr("note: " + note + "\n"));
+  EXPECT_THAT(export_text(r, false), testing::Not(HasSubstr("note: "))) << "as --quiet asks";
   ASSERT_EQ(json["fit"]["records"].size(), 2u);
   EXPECT_EQ(json["fit"]["records"][0]["record"], "a");
   EXPECT_EQ(json["fit"]["records"][0]["model_V"], 0.02);

@@ -81,6 +81,21 @@ TEST_F(Simulate, AMapThatTakesTheOutputAwayIsNamed) {
   ASSERT_FALSE(campaign);
   EXPECT_NE(campaign.error().hint.find("--map U_V=F_ref_N made another thing of it"), std::string::npos) << campaign.error().to_text();
   EXPECT_EQ(campaign.error().text.find("F_ref_N_N"), std::string::npos) << campaign.error().to_text();
+  EXPECT_NE(campaign.error().text.find("there are F_ref_N, U_V"), std::string::npos) << "as the file writes them: " << campaign.error().text;
+}
+
+TEST_F(Simulate, AMapOntoANameThatMeansNothingIsNamed) {
+  CampaignRequest request;
+  request.campaign = put("film.csv", "t_s,F_ref_N,U_V\n0,1,2\n0.1,1.5,3\n0.2,1,2\n");
+  for (const auto& [map, told] : {std::pair{"U_V=U_foo", "\"U_foo\" of --map U_V=U_foo is no name that means anything here: the output is U_V"},
+                                  {"F_ref_N=kraftmesser1", "the force is F_ref_N"}}) {
+    request.maps = {map};
+    const auto campaign = load_campaign(request);
+    ASSERT_FALSE(campaign) << map;
+    EXPECT_NE(campaign.error().hint.find(told), std::string::npos) << campaign.error().to_text();
+  }
+  request.maps = {"U_V=unused"};
+  EXPECT_EQ(load_campaign(request).error().hint.find("means anything"), std::string::npos) << "who takes a column out knows it";
 }
 
 }  // namespace

@@ -77,6 +77,11 @@ TEST(Text, UncertaintyInParenthesesFollowsTheDigitRule) {
   EXPECT_EQ(with_uncertainty(4.5, 0.0), "4.5");
   EXPECT_EQ(with_uncertainty(1234.0, 30.0), "1230(30)");
   EXPECT_EQ(with_uncertainty(-3.0, 90.0), "0(90)");
+  EXPECT_EQ(with_uncertainty(-0.001, 0.03), "0.00(3)");
+  EXPECT_EQ(with_uncertainty(-0.5, 3.0), "0(3)");
+  EXPECT_EQ(with_uncertainty(-0.01, 2.5), "0.0(25)");
+  EXPECT_EQ(with_uncertainty(-0.011, 0.03), "-0.01(3)");
+  EXPECT_EQ(with_uncertainty(-0.0, 0.0), "0");
   EXPECT_EQ(with_uncertainty(-6.74e27, 9e26), "-6.7(9)e27");
 }
 

@@ -55,6 +55,15 @@ TEST_F(ConsoleTest, QuietMeansNoProgressNoNotesNoNextButTheResult) {
   EXPECT_EQ(text(out_), "result\n");
 }
 
+TEST_F(ConsoleTest, WhatIsHandedOnStandsInAFileAtOnce) {
+  Console console({}, out_, err_);
+  console.print("commitment");
+  console.flush();
+  char first = 0;
+  EXPECT_EQ(::pread(::fileno(out_), &first, 1, 0), 1);
+  EXPECT_EQ(first, 'c');
+}
+
 TEST_F(ConsoleTest, WhatAFullDiskDidNotTakeIsToldOnStderr) {
   for (const std::size_t length : {std::size_t{10}, std::size_t{100000}}) {
     std::FILE* full = std::fopen("/dev/full", "w");

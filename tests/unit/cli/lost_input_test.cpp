@@ -32,6 +32,17 @@ class LostInput : public FolderTest {
   }
 };
 
+TEST_F(LostInput, StandardOutputIsNoFile) {
+  for (const char* option : {"output", "html", "into"}) {
+    const auto error = of(at("run.csv"), option, "-");
+    ASSERT_TRUE(error) << option;
+    EXPECT_THAT(error->text, HasSubstr("\"-\" names no file"));
+    EXPECT_THAT(error->where, ::testing::EndsWith(" -"));
+  }
+  EXPECT_FALSE(of(at("run.csv"), "output", "./-"));
+  EXPECT_FALSE(of("-", "seed", "1"));
+}
+
 TEST_F(LostInput, AnOutputThatIsAnInputIsRefusedUnderAnyNameOfIt) {
   put("run.csv", "t_s\n"), put("m.toml", "");
   std::filesystem::create_symlink("run.csv", folder_ / "link.csv");

@@ -81,6 +81,30 @@ TEST(Mystery, APairHasTwoDifferentEffects) {
   EXPECT_FALSE(fs::exists(fs::path(folder / "m") / "campaign.json"));
 }
 
+TEST(Mystery, WhatWasInterruptedTakesBackItsOwnFilesAndTheSameCommandWorksAgain) {
+  const test::TemporaryFolder folder;
+  const fs::path there = folder / "there", fresh = folder / "fresh";
+  fs::create_directory(there);
+  test::write_text(there / "mine.csv", "t_s,F_ref_N,U_V\n");
+  for (const fs::path& at : {there, fresh}) {
+    MysteryRequest request = small(at);
+    int asked = 0;
+    request.interrupted = [&] { return ++asked > 3; };
+    bool committed = false;
+    const auto torso = make_mystery(request, [&](const std::string&) { committed = !fs::exists(at / "campaign.json"); });
+    ASSERT_FALSE(torso);
+    EXPECT_TRUE(committed) << "the hash comes before the first file";
+    EXPECT_EQ(torso.error().code, ErrorCode::cancelled);
+    EXPECT_THAT(torso.error().to_text(), AllOf(HasSubstr("what was written is taken back"), HasSubstr(at.string()), HasSubstr("the same command")));
+    EXPECT_EQ(fs::exists(at), at == there);
+    if (at == there) {
+      EXPECT_EQ(std::distance(fs::directory_iterator(at), {}), 1) << "what was there stays";
+    }
+    request.interrupted = {};
+    EXPECT_TRUE(make_mystery(request, {}));
+  }
+}
+
 TEST(Mystery, OneThatWasLeftHalfWrittenIsNoCampaign) {
   const test::TemporaryFolder folder;
   ASSERT_TRUE(make_mystery(small(folder / "m"), {}));

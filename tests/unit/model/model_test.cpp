@@ -227,6 +227,27 @@ TEST(ModelFile, TheUnitOfAnOutputThatIsNoVoltageGoesWithIt) {
   EXPECT_EQ(volts.error().text, "gain_N_per_V is in N/V, not in \"N/S\"");
 }
 
+TEST(ModelFile, AnOutputUnitThatNobodyKnowsIsRefused) {
+  for (const auto& [unit, hint] : {std::pair{"furlong", "known are V, S"}, {"mV", "write \"V\", and the gain in N/V"}, {"pct", "write \"1\""}, {"", "leave it out"}}) {
+    const auto model = parse_model("name = \"m\"\noutput_unit = \"" + std::string(unit) + "\"\n[law]\n", "m.toml");
+    ASSERT_FALSE(model) << unit;
+    EXPECT_NE(model.error().text.find("output_unit"), std::string::npos) << model.error().to_text();
+    EXPECT_NE(model.error().hint.find(hint), std::string::npos) << model.error().to_text();
+    EXPECT_TRUE(model.error().where.starts_with("m.toml:2:")) << model.error().to_text();
+  }
+  for (const char* unit : {"V", "S", "A", "F", "counts", "1", "ohm"}) EXPECT_TRUE(parse_model("output_unit = \"" + std::string(unit) + "\"\n[law]\n", "m.toml")) << unit;
+}
+
+TEST(ModelFile, WhatIsNoTomlIsToldWhatAModelFileIs) {
+  for (const char* text : {"<html>\n", "[law\n", "{\"format\": 1}\n"}) {
+    const auto model = parse_model(text, "m.toml");
+    ASSERT_FALSE(model) << text;
+    EXPECT_NE(model.error().text.find("not valid TOML, as a model file is"), std::string::npos) << model.error().to_text();
+    EXPECT_NE(model.error().hint.find("forcegate fit -o"), std::string::npos) << model.error().to_text();
+    EXPECT_TRUE(model.error().where.starts_with("m.toml:1:")) << model.error().to_text();
+  }
+}
+
 TEST(ModelFile, ValuesInAnotherUnitOrOfAnotherTypeAreErrorsEverywhere) {
   const std::string creep = "[law]\n[[effect]]\nname = \"creep\"\nform = \"power_law\"\n";
   for (const auto& [text, what, where] : {

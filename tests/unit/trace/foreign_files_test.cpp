@@ -42,6 +42,26 @@ TEST(DateTime, LeavesEverythingElseAlone) {
     EXPECT_FALSE(seconds_of_stamp(text)) << text;
 }
 
+TEST(ForeignFiles, APageOrAnAnswerInJsonIsNoRecording) {
+  for (const auto& [text, what] : {std::pair{"<!DOCTYPE html>\n<html><body>\n<table>\n", "a page in HTML or XML"}, {"\xEF\xBB\xBF\n<HTML>\n1,2\n", "a page in HTML or XML"},
+                                   {"<?xml version=\"1.0\"?>\n<a/>\n", "a page in HTML or XML"}, {"{\n  \"format\": 1,\n  \"a\": [1, 2]\n}\n", "JSON"},
+                                   {"[{\"t_s\": 0}]\n", "JSON"}, {"[[0, 1], [1, 2]]\n", "JSON"}}) {
+    const auto file = parse_csv(text, "x.csv");
+    ASSERT_FALSE(file) << text;
+    EXPECT_EQ(file.error().text, "the file is " + std::string(what) + ", not CSV");
+    EXPECT_THAT(file.error().hint, HasSubstr("t_s,F_ref_N,U_V"));
+  }
+  EXPECT_EQ(read("<t_s>,<F_ref_N>\n0,1\n1,2\n2,3\n", {{}, 10.0}).trace.channels.size(), 2u) << "names in angle brackets are no page";
+}
+
+TEST(ForeignFiles, WithoutAClockAndWithoutAForceBothAreTold) {
+  const auto none = parse_csv("a,b\n1,2\n5,3\n", "x.csv"), forced = parse_csv("F_ref_N,b\n1,2\n5,3\n", "x.csv");
+  ASSERT_FALSE(none);
+  EXPECT_THAT(none.error().to_text(), ::testing::AllOf(HasSubstr("no time column"), HasSubstr("none of them is the reference force either"), HasSubstr("--map NAME=F_ref_N")));
+  ASSERT_FALSE(forced);
+  EXPECT_THAT(forced.error().to_text(), ::testing::Not(HasSubstr("reference force")));
+}
+
 TEST(ForeignFiles, AClockOfDatesCountsSeconds) {
   const auto f = read(
       "timestamp,F,U\n2026-11-21 09:59:59.5,1,2\n2026-11-21 10:00:00.0,1,2\n2026-11-21 10:00:00.5,2,3\n");

@@ -182,6 +182,7 @@ TEST(Drift, SaysThatNoColumnIsAForceAndGivesNoNumberToALawThatFails) {
   const auto d = diagnose_drift(recording(4000, 0.05, 0.002, [](double t) { return 2.0 + std::sin(0.5 * t) + 0.4 * std::sin(0.05 * t); }));
   ASSERT_TRUE(d) << d.error().to_text();
   EXPECT_EQ(d->notes.front(), "no column is the reference force, among U_V: only the drift of the output can be judged");
+  EXPECT_NE(to_json(*d).find("\"adapted\": [],"), std::string::npos) << "no gain, zero or decay of a record";
   for (const std::string& note : d->notes) {
     const std::size_t at = note.find(" V on parts");
     if (at != std::string::npos) {
