@@ -9,6 +9,7 @@
 
 #include "hil/base/portable_math.h"
 #include "hil/base/quantile.h"
+#include "hil/diagnose/raw/line_peak.h"
 
 namespace forcegate::diagnose {
 
@@ -80,6 +81,13 @@ Eigen::VectorXd left_in_window(const RecordInput& r, std::size_t from) {
   return y - X * X.colPivHouseholderQr().solve(y);
 }
 
+// What the law of the sensor lacks comes again with the load.
+bool is_harmonic_of_load(const RecordInput& record, double bin) {
+  constexpr double kHighest = 8.5, kSameBin = 1.0;
+  const double rate_Hz = 1.0 / record.row_step_s, load = cycles_per_s(record.F_N, rate_Hz) / rate_Hz * static_cast<double>(kWindow);
+  return load > 0.0 && bin < kHighest * load && std::abs(bin - load * std::round(bin / load)) < kSameBin;
+}
+
 struct Line {
   double frequency_Hz, amplitude_V;
 };
@@ -113,6 +121,7 @@ std::optional<Line> line_of(const RecordInput& record, double gain_V_per_N, bool
   const double most = kMost * static_cast<double>(windows);
   if (static_cast<double>(bin.size()) < most) return std::nullopt;
   const double middle = quantile(bin, 0.5);
+  if (is_harmonic_of_load(record, middle)) return std::nullopt;
   if (static_cast<double>(std::ranges::count_if(bin, [&](double b) { return std::abs(b - middle) < kSameBin; })) < most) return std::nullopt;
   return Line{middle / (record.row_step_s * static_cast<double>(kWindow)), std::sqrt(2.0 * quantile(share, 0.5) * quantile(square, 0.5))};
 }

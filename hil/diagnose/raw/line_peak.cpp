@@ -89,7 +89,8 @@ Standing standing_at(const Seen& seen, double f_Hz, double rate_Hz) {
   return {quantile(std::move(power), 0.5), quantile(std::move(ratio), 0.5)};
 }
 
-// How often the force goes up through its mean, a tenth of its range beyond it on either side, from the first time to the last; 0: it hardly does.
+}  // namespace
+
 double cycles_per_s(const std::vector<double>& F, double rate_Hz) {
   constexpr double kBeyond = 0.1;
   constexpr std::size_t kFewest = 4;
@@ -109,8 +110,6 @@ double cycles_per_s(const std::vector<double>& F, double rate_Hz) {
   }
   return times > kFewest ? static_cast<double>(times - 1) * rate_Hz / static_cast<double>(last - first) : 0.0;
 }
-
-}  // namespace
 
 bool is_harmonic_of_another(const Seen& seen, double f_Hz, double mains_Hz, double rate_Hz) {
   constexpr int kHighest = 16, kOfMains = 8;

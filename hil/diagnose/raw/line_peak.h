@@ -35,6 +35,9 @@ LinePeak peak_beside(const Seen& seen, double f_Hz, double rate_Hz);
 /// before it (every second one may be missing). Lines that the mains themselves put there are no witnesses.
 bool is_harmonic_of_another(const Seen& seen, double f_Hz, double mains_Hz, double rate_Hz);
 
+/// How often a load goes up through its mean, a tenth of its range beyond it on either side, from the first time to the last; 0: hardly ever.
+double cycles_per_s(const std::vector<double>& F_N, double rate_Hz);
+
 /// A law that the model lacks repeats with the load: its lines stand at whole multiples of the load's frequency, one or two of them further down
 /// as strong as this one.
 bool is_of_load(const Seen& seen, double f_Hz, double rate_Hz);

@@ -242,8 +242,9 @@ TEST(Hum, ThatComesAgainAtEveryFifthSampleIsNoBlockSentAgain) {
     Rng rng(9, r.name);
     for (std::size_t i = 0; i < clock.size(); ++i) {
       clock[i] = static_cast<double>(i) / 250.0;
-      F[i] = 0.4 + 0.5 * std::floor(clock[i] / 12.0);
-      U[i] = 0.02 * std::round((2.0 * F[i] + 0.2 + 0.15 * std::sin(kTurn * 100.0 * clock[i]) + 0.008 * rng.normal()) / 0.02);
+      const double force_N = 0.4 + 0.5 * std::floor(clock[i] / 12.0);
+      F[i] = 0.025 * std::round((force_N + 0.006 * rng.normal()) / 0.025);
+      U[i] = 0.02 * std::round((2.0 * force_N + 0.2 + 0.15 * std::sin(kTurn * 100.0 * clock[i]) + 0.008 * rng.normal()) / 0.02);
     }
   }
   for (const HealthClaim& claim : claims_of_samples(c)) EXPECT_EQ(claim.effect, "hum") << claim.evidence;
