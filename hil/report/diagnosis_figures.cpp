@@ -181,9 +181,8 @@ Figure ranking_figure(const Diagnosis& d) {
   const bool claims = std::ranges::any_of(d.ranking, [](const RankedEffect& r) { return r.probability >= kClaim; });
   const bool of_samples = std::ranges::any_of(d.findings, [](const Finding& f) { return f.of_samples() && f.claimed(); });
   figure.summary = (claims ? "First: " + first.effect + ", probability " + probability_text(first.probability) + "; right of the dotted line is a claim."
-                    : of_samples
-                        ? "What the samples themselves show is claimed without a fit and not ranked here; none of these is right of the dotted line, where a claim begins."
-                        : "Nothing is right of the dotted line, where a claim begins.") +
+                           : "Nothing is right of the dotted line, where a claim begins.") +
+                   (of_samples ? " What the samples themselves show is claimed without a fit and not ranked here." : "") +
                    std::string(" A wide gap between ring and dot means that another effect explains the same data.");
   return figure;
 }
