@@ -73,7 +73,7 @@ bool is_ordinary_codes(const Asked& a) {
   return a.f.effect == "adc_codes" && !a.f.of_samples() && a.f.effect_rms < kOrdinary * a.channel.scale;
 }
 
-// Of a course that is seen at many forces rounding leaves half of its own RMS, a 3.5th of a step.
+// Rounding scatters by 0.29 of a step (RMS); of a course that is seen at several forces it makes half of that.
 bool is_ordinary_zero(const Asked& a) {
   constexpr double kOfZero = 0.5, kOfCourse = 0.15;  // of a step
   const double steps = a.f.effect_rms * a.w.input.range_N / a.channel.scale / a.resolution_N();

@@ -60,11 +60,12 @@ Peak peak_of(const Power& left, const Power& load) {
   }
   const double own = around(left, k);
   if (!(total > 0.0) || next > kAlone * left[k] || around(load, k) > kOfLoad * own) return {};
-  double centre = 0.0;
-  for (std::size_t j = k - 1; j <= std::min(left.size() - 1, k + 1); ++j) centre += static_cast<double>(j) * left[j];
-  double weight = 0.0;
-  for (std::size_t j = k - 1; j <= std::min(left.size() - 1, k + 1); ++j) weight += left[j];
-  return {centre / weight, own / total};
+  double moment = 0.0, weight = 0.0;
+  for (std::size_t j = k - 1; j <= std::min(left.size() - 1, k + 1); ++j) {
+    moment += static_cast<double>(j) * left[j];
+    weight += left[j];
+  }
+  return {moment / weight, own / total};
 }
 
 // What a window of the output has beside a parabola, the force and its rate: 256 rows that follow each other from `from`.
