@@ -2,8 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <cctype>
-
+#include "hil/base/slug.h"
 #include "hil/base/text.h"
 
 namespace forcegate {
@@ -26,14 +25,7 @@ std::string to_string(JudgedBy by) {
   return "heldout";
 }
 
-std::string profile_name(const ExperimentSegment& segment, std::size_t number) {
-  std::string out = "profiles/" + std::to_string(number) + "_";
-  for (const char c : segment.name) {
-    const auto letter = static_cast<unsigned char>(c);
-    out += std::isalnum(letter) != 0 ? static_cast<char>(std::tolower(letter)) : '_';
-  }
-  return out + ".csv";
-}
+std::string profile_name(const ExperimentSegment& segment, std::size_t number) { return fmt::format("profiles/{}_{}.csv", number, slug(segment.name)); }
 
 std::string parameters_text(const ExperimentSegment& segment, std::size_t number, const std::string& equals, const std::string& between) {
   if (segment.stimulus == "replay") return "path" + equals + profile_name(segment, number);

@@ -11,6 +11,7 @@
 #include "hil/app/files/write_file.h"
 #include "hil/app/mystery/mystery.h"
 #include "hil/base/plain_number.h"
+#include "hil/base/slug.h"
 #include "hil/base/text.h"
 #include "hil/diagnose/next/rival_odds.h"
 #include "hil/trace/csv.h"
@@ -20,15 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-
-std::string slug(const std::string& text) {
-  std::string out;
-  for (char c : text)
-    out += std::isalnum(static_cast<unsigned char>(c))
-               ? static_cast<char>(std::tolower(static_cast<unsigned char>(c)))
-               : '_';
-  return out;
-}
 
 Result<fs::path> write_profile(const ExperimentSegment& s, const fs::path& folder, std::size_t number) {
   std::string text = "t_s,F_ref_N\n";
