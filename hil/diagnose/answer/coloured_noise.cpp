@@ -1,14 +1,14 @@
 #include "hil/diagnose/answer/coloured_noise.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
-#include <numbers>
+#include <numeric>
+#include <span>
 
-#include "hil/base/portable_math.h"
 #include "hil/base/quantile.h"
 #include "hil/diagnose/answer/remainder.h"
+#include "hil/diagnose/answer/window_power.h"
 #include "hil/model/record_input.h"
 
 namespace forcegate::diagnose {
@@ -79,24 +79,12 @@ double rms_rate(const RecordInput& record) {
 
 // Share of the power at one frequency and its neighbours, where it is highest, above the slowest waves of a window; median over all windows.
 double share_of_tone(const std::vector<std::vector<double>>& residual) {
-  constexpr std::size_t kWindow = 256, kSlowest = 4;
+  constexpr std::size_t kSlowest = 4;
   std::vector<double> share;
   for (const std::vector<double>& e : residual)
-    for (std::size_t from = 0; from + kWindow <= e.size(); from += kWindow) {
-      std::array<double, kWindow / 2> power{};
-      double total = 0.0;
-      for (std::size_t k = 1; k < power.size(); ++k) {
-        // Goertzel 1958
-        const double turn = 2.0 * portable::cos(2.0 * std::numbers::pi * static_cast<double>(k) / kWindow);
-        double now = 0.0, before = 0.0;
-        for (std::size_t i = 0; i < kWindow; ++i) {
-          const double next = e[from + i] + turn * now - before;
-          before = now;
-          now = next;
-        }
-        power[k] = now * now + before * before - turn * now * before;
-        total += power[k];
-      }
+    for (std::size_t from = 0; from + kPowerWindow <= e.size(); from += kPowerWindow) {
+      const auto power = window_power(std::span(e).subspan(from, kPowerWindow));
+      const double total = std::accumulate(power.begin(), power.end(), 0.0);
       double highest = 0.0;
       for (std::size_t k = kSlowest; k + 1 < power.size(); ++k) highest = std::max(highest, power[k - 1] + power[k] + power[k + 1]);
       if (total > 0.0) share.push_back(highest / total);

@@ -9,34 +9,23 @@
 
 #include "hil/base/portable_math.h"
 #include "hil/base/quantile.h"
+#include "hil/diagnose/answer/window_power.h"
 #include "hil/diagnose/raw/line_peak.h"
 
 namespace forcegate::diagnose {
 
 namespace {
 
-constexpr std::size_t kWindow = 256, kSlowest = 4, kWidth = 2;  // kWidth: bins on either side that belong to a line
-using Power = std::array<double, kWindow / 2>;
+constexpr std::size_t kSlowest = 4, kWidth = 2;  // kWidth: bins on either side that belong to a line
+using Power = std::array<double, kPowerWindow / 2>;
 
-// Hann window; Goertzel 1958.
 Power power_of(std::span<const double> x) {
-  std::array<double, kWindow> windowed{};
+  std::array<double, kPowerWindow> windowed{};
   double mean = 0.0;
-  for (const double v : x) mean += v / static_cast<double>(kWindow);
-  for (std::size_t i = 0; i < kWindow; ++i)
-    windowed[i] = (x[i] - mean) * (0.5 - 0.5 * portable::cos(2.0 * std::numbers::pi * (static_cast<double>(i) + 0.5) / static_cast<double>(kWindow)));
-  Power out{};
-  for (std::size_t k = 1; k < out.size(); ++k) {
-    const double turn = 2.0 * portable::cos(2.0 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(kWindow));
-    double now = 0.0, before = 0.0;
-    for (const double v : windowed) {
-      const double next = v + turn * now - before;
-      before = now;
-      now = next;
-    }
-    out[k] = now * now + before * before - turn * now * before;
-  }
-  return out;
+  for (const double v : x) mean += v / static_cast<double>(kPowerWindow);
+  for (std::size_t i = 0; i < kPowerWindow; ++i)  // Hann
+    windowed[i] = (x[i] - mean) * (0.5 - 0.5 * portable::cos(2.0 * std::numbers::pi * (static_cast<double>(i) + 0.5) / static_cast<double>(kPowerWindow)));
+  return window_power(windowed);
 }
 
 double around(const Power& p, std::size_t k) {
@@ -70,7 +59,7 @@ Peak peak_of(const Power& left, const Power& load) {
 
 // What a window of the output has beside a parabola, the force and its rate: 256 rows that follow each other from `from`.
 Eigen::VectorXd left_in_window(const RecordInput& r, std::size_t from) {
-  const auto n = static_cast<Eigen::Index>(kWindow);
+  const auto n = static_cast<Eigen::Index>(kPowerWindow);
   Eigen::MatrixXd X(n, 5);
   Eigen::VectorXd y(n);
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -85,7 +74,7 @@ Eigen::VectorXd left_in_window(const RecordInput& r, std::size_t from) {
 // What the law of the sensor lacks comes again with the load.
 bool is_harmonic_of_load(const RecordInput& record, double bin) {
   constexpr double kHighest = 8.5, kSameBin = 1.0;
-  const double rate_Hz = 1.0 / record.row_step_s, load = cycles_per_s(record.F_N, rate_Hz) / rate_Hz * static_cast<double>(kWindow);
+  const double rate_Hz = 1.0 / record.row_step_s, load = cycles_per_s(record.F_N, rate_Hz) / rate_Hz * static_cast<double>(kPowerWindow);
   return load > 0.0 && bin < kHighest * load && std::abs(bin - load * std::round(bin / load)) < kSameBin;
 }
 
@@ -101,30 +90,30 @@ std::optional<Line> line_of(const RecordInput& record, double gain_V_per_N, bool
   for (std::size_t from = 0, i = 0; i < record.rows(); ++i) {
     const bool follows = i == 0 || record.t_s[i] - record.t_s[i - 1] < 1.5 * record.row_step_s;
     if (record.ok[i] == 0 || !std::isfinite(record.U_V[i]) || !follows) from = record.ok[i] == 0 || !std::isfinite(record.U_V[i]) ? i + 1 : i;
-    if (i + 1 < from + kWindow) continue;
+    if (i + 1 < from + kPowerWindow) continue;
     whole.push_back(from);
     from = i + 1;
   }
   asked = whole.size() >= kFewest;
   if (!asked) return std::nullopt;
-  std::vector<double> bin, share, square, load(kWindow);
+  std::vector<double> bin, share, square, load(kPowerWindow);
   const std::size_t stride = (whole.size() + kMostWindows - 1) / kMostWindows;
   std::size_t windows = 0;
   for (std::size_t w = 0; w < whole.size(); w += stride, ++windows) {
-    for (std::size_t i = 0; i < kWindow; ++i) load[i] = gain_V_per_N * record.F_N[whole[w] + i];
+    for (std::size_t i = 0; i < kPowerWindow; ++i) load[i] = gain_V_per_N * record.F_N[whole[w] + i];
     const Eigen::VectorXd left = left_in_window(record, whole[w]);
-    const Peak peak = peak_of(power_of({left.data(), kWindow}), power_of(load));
+    const Peak peak = peak_of(power_of({left.data(), kPowerWindow}), power_of(load));
     if (!(peak.share > kHalf)) continue;
     bin.push_back(peak.bin);
     share.push_back(peak.share);
-    square.push_back(left.squaredNorm() / static_cast<double>(kWindow));
+    square.push_back(left.squaredNorm() / static_cast<double>(kPowerWindow));
   }
   const double most = kMost * static_cast<double>(windows);
   if (static_cast<double>(bin.size()) < most) return std::nullopt;
   const double middle = quantile(bin, 0.5);
   if (is_harmonic_of_load(record, middle)) return std::nullopt;
   if (static_cast<double>(std::ranges::count_if(bin, [&](double b) { return std::abs(b - middle) < kSameBin; })) < most) return std::nullopt;
-  return Line{middle / (record.row_step_s * static_cast<double>(kWindow)), std::sqrt(2.0 * quantile(share, 0.5) * quantile(square, 0.5))};
+  return Line{middle / (record.row_step_s * static_cast<double>(kPowerWindow)), std::sqrt(2.0 * quantile(share, 0.5) * quantile(square, 0.5))};
 }
 
 }  // namespace
