@@ -1,10 +1,11 @@
 #include "hil/app/gate/repeats.h"
-#include "hil/base/plain_number.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+
+#include "hil/base/plain_number.h"
 
 namespace forcegate {
 namespace {
