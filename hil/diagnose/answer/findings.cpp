@@ -55,11 +55,11 @@ std::string sentence(const ChosenEffect& chosen, const ResidualChannel& channel,
     if (chosen.records.same_strength) out += "; the rows within the records tell the same strength";
     return out;
   }
-  if (by != JudgedBy::whole && chosen.left_out.excited > 0) {
+  if (by != JudgedBy::whole && f.records_excited > 0) {
     std::snprintf(text, sizeof text,
                   "; %d of %d %s that it touches improve, its strength differs by %.0f %% between %s",
-                  chosen.left_out.improved, chosen.left_out.excited,
-                  single ? "parts of the recording" : chosen.left_out.blocks ? "parts of records" : "records", 100.0 * chosen.strength_scatter,
+                  f.records_improved, f.records_excited,
+                  single ? "parts of the recording" : f.counts_parts ? "parts of records" : "records", 100.0 * chosen.strength_scatter,
                   single ? "them" : "records");
     out += text;
   }
@@ -79,6 +79,20 @@ std::string why_no_claim(const Workspace& w, const ResidualChannel& channel, con
   return whole < 1.0 ? "what was found leaves most of what the noise does not explain" : "";
 }
 
+// Two effects that hide each other help fewer records alone than beside each other: where the count is not of all, it is asked against the model
+// that lacks this one only.
+CrossFit records_that_it_helps(const ResidualChannel& channel, const Selection& selection, const ChosenEffect& chosen) {
+  const CrossFit& entered = chosen.left_out;
+  if (chosen.between || selection.chosen.size() < 2 || entered.improved == entered.excited || !selection.claimed.valid) return entered;
+  const std::vector<int> own = columns_of(channel, chosen);
+  std::vector<int> others = selection.claimed.columns;
+  std::erase_if(others, [&](int column) { return std::ranges::find(own, column) != own.end(); });
+  const MixedFit without = fit_mixed(channel.problem, others, &selection.claimed, 12, selection.claimed.use);
+  if (!without.valid) return entered;
+  const CrossFit beside = cross_fit(channel, without, selection.claimed);
+  return beside.improved * entered.excited > entered.improved * beside.excited ? beside : entered;
+}
+
 }  // namespace
 
 void add_findings(const Workspace& w, const ResidualChannel& channel, const Selection& selection,
@@ -96,9 +110,10 @@ void add_findings(const Workspace& w, const ResidualChannel& channel, const Sele
     f.of_every_record = chosen.of_every_record && w.judges == JudgedBy::heldout;
     f.effect_rms = chosen.by_records() || chosen.records.same_strength ? effect_rms_between(channel, chosen.fit, chosen.columns) * channel.scale
                                        : std::sqrt(std::max(0.0, f.error_before * f.error_before - f.error_after * f.error_after));
-    f.records_improved = chosen.left_out.improved;
-    f.records_excited = chosen.left_out.excited;
-    f.counts_parts = chosen.left_out.blocks;
+    const CrossFit helped = records_that_it_helps(channel, selection, chosen);
+    f.records_improved = helped.improved;
+    f.records_excited = helped.excited;
+    f.counts_parts = helped.blocks;
     f.evidence = sentence(chosen, channel, w.judges, w.input.single, f);
     if (!chosen.borne_out) f.limit(kNoClaim, kDoesNotFall);
     reserve(w, channel, selection.base, f);

@@ -17,14 +17,11 @@
 #include "hil/diagnose/base_errors.h"
 #include "hil/diagnose/between/foretold.h"
 #include "hil/diagnose/candidates/user_candidates.h"
-#include "hil/diagnose/choose/further_forms.h"
-#include "hil/diagnose/choose/reference_latency.h"
 #include "hil/diagnose/choose/select.h"
 #include "hil/diagnose/one_zero.h"
-#include "hil/diagnose/refit/best_form.h"
+#include "hil/diagnose/refit/fitted_effects.h"
 #include "hil/diagnose/refit/moved_parameters.h"
 #include "hil/diagnose/refit/replaced_forms.h"
-#include "hil/diagnose/refit/seen_terms.h"
 #include "hil/diagnose/refit/stands_still.h"
 
 namespace forcegate::diagnose {
@@ -110,57 +107,6 @@ Result<std::vector<std::string>> effects_to_fit(const Workspace& w, const Model&
     return fail(ErrorCode::config, "the model has " + add + " already", start.name, "forcegate fit refits it");
   names.push_back(add);
   return names;
-}
-
-// The law alone, then with one effect more each time.
-struct FittedEffects {
-  std::vector<MixedFit> chain;  ///< front: the law; back: all of them
-  std::vector<int> variants;    ///< every form that was taken
-  std::vector<std::pair<std::string, std::vector<int>>> columns;  ///< of each effect
-  const MixedFit& law() const { return chain.front(); }
-  const MixedFit& all() const { return chain.back(); }
-};
-
-Result<FittedEffects> fit_in_turn(Workspace& w, const Model& start, const std::vector<std::string>& names, MixedFit law, unsigned threads, std::vector<std::string>& notes) {
-  FittedEffects out;
-  out.chain.push_back(std::move(law));
-  if (!out.law().valid) return fail(ErrorCode::config, "the records do not determine the model", w.input.name, "more records, or records with more force");
-  std::vector<int> present = out.law().columns;
-  for (const std::string& name : names) {
-    const auto best = best_form(w, name, present, &out.all(), threads);
-    // where the model stands is a start as good as any: a fit ends no worse than it began
-    std::optional<WrittenForms> written = written_forms(w, start.effects, name, present, out.all(), threads);
-    if (!best && !written) return Unexpected(best.error());
-    WrittenForms taken;
-    if (best) {
-      std::vector<int> all = present;
-      std::ranges::copy(seen_columns(w, best->variant, notes), std::back_inserter(all));
-      taken = {{best->variant}, {}, fit_mixed(w.output.problem, all, &best->fit, 15)};
-      if (const Candidate& of = candidate_of(w.output, best->variant); !moves_levels(of))
-        for (const int v : further_forms(w.output, *of.kind, all, taken.fit)) taken.variants.push_back(v);
-      taken.columns.assign(all.begin() + std::ssize(present), all.end());
-    }
-    if (written && (!taken.fit.valid || written->fit.log_evidence > taken.fit.log_evidence)) taken = *std::move(written);
-    present.insert(present.end(), taken.columns.begin(), taken.columns.end());
-    out.variants.insert(out.variants.end(), taken.variants.begin(), taken.variants.end());
-    out.chain.push_back(std::move(taken.fit));
-    out.columns.emplace_back(name, std::move(taken.columns));
-  }
-  return out;
-}
-
-// What a diagnosis carries along, or sets aside where it shows beside the effects only, is no error of the model here either.
-Result<FittedEffects> fit_effects(Workspace& w, const Model& start, const std::vector<std::string>& names, bool adds, unsigned threads, std::vector<std::string>& notes) {
-  // but a lead that is to be added has a claim to the whole of it, as in the diagnosis
-  const EffectKind* last = names.empty() ? nullptr : kind_of(w, names.back());
-  const bool leads = adds && last != nullptr && last->traits.shift == TimeShift::percent_lead;
-  const bool forgives = !leads && std::ranges::find(names, kLatencyEffect) == names.end();
-  FORCEGATE_TRY(FittedEffects out, fit_in_turn(w, start, names, law_beside(w, {}, forgives, notes), threads, notes));
-  if (!forgives || names.empty() || !out.law().columns.empty() || !out.all().valid) return out;
-  const MixedFit beside = forgive_late_reference(w, out.all(), notes);
-  if (beside.columns.size() == out.all().columns.size()) return out;
-  take_off_output(w.output, strengths_of_leads(w.output, beside.columns, beside));
-  return fit_in_turn(w, start, names, law_beside(w, {}, false, notes), threads, notes);
 }
 
 void write_law(const Workspace& w, const MixedFit& fit, const ShapeCovariance& joint, const Model& start, Refit& out) {
@@ -275,7 +221,10 @@ Result<Fitted> refit_at(Workspace& w, const Model& start, const Model& at, const
   Fitted made;
   Refit& out = made.refit;
   FORCEGATE_TRY(const std::vector<std::string> names, effects_to_fit(w, start, add));
-  FORCEGATE_TRY(const FittedEffects fitted, fit_effects(w, at, names, !add.empty(), threads, out.notes));
+  // a lead that is to be added has a claim to the whole of it, as in the diagnosis
+  const EffectKind* added = add.empty() ? nullptr : kind_of(w, add);
+  const bool leads = added != nullptr && added->traits.shift == TimeShift::percent_lead;
+  FORCEGATE_TRY(const FittedEffects fitted, fit_effects(w, at, names, leads, threads, out.notes));
   const MixedFit& now = fitted.all();
   if (!now.valid)
     return fail(ErrorCode::config, "the records do not determine the model with " + (add.empty() ? "its effects" : add), w.input.name,
