@@ -54,6 +54,7 @@ struct HistoryStep {
   double plain_before = 0.0, plain_after = 0.0;
   std::string unit = "V";
   bool accepted = true;  ///< false: the held-out error did not fall
+  bool one_law = false;  ///< of an export: one law for all records, before is without effects; the errors are plain, no floor is known
 };
 
 struct Model {

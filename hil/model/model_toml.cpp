@@ -239,7 +239,7 @@ Result<ModelFrame> read_frame(const toml::table& law, const std::string& where) 
 }
 
 Result<HistoryStep> read_step(const toml::table& t, const std::string& where) {
-  FORCEGATE_CHECK_OK(known_keys(t, {"effect", "campaign", "error_before", "error_after", "plain_before", "plain_after", "floor", "unit", "accepted"}, where));
+  FORCEGATE_CHECK_OK(known_keys(t, {"effect", "campaign", "error_before", "error_after", "plain_before", "plain_after", "floor", "unit", "accepted", "one_law"}, where));
   HistoryStep step;
   FORCEGATE_TRY(step.effect, value_of(t, "effect", std::string(), where));
   FORCEGATE_TRY(step.campaign, value_of(t, "campaign", std::string(), where));
@@ -250,6 +250,7 @@ Result<HistoryStep> read_step(const toml::table& t, const std::string& where) {
   FORCEGATE_TRY(step.floor, value_of(t, "floor", 0.0, where));
   FORCEGATE_TRY(step.unit, value_of(t, "unit", std::string("V"), where));
   FORCEGATE_TRY(step.accepted, value_of(t, "accepted", true, where));
+  FORCEGATE_TRY(step.one_law, value_of(t, "one_law", false, where));
   return step;
 }
 

@@ -75,9 +75,9 @@ std::string write_model(const Model& m) {
   for (const HistoryStep& s : m.history)
     out += fmt::format(
         "\n[[history]]\neffect = {}\ncampaign = {}\nerror_before = {}\nerror_after = {}\nplain_before = {}\n"
-        "plain_after = {}\nfloor = {}\nunit = \"{}\"\naccepted = {}\n",
+        "plain_after = {}\n{}unit = \"{}\"\naccepted = {}\n",
         quoted(s.effect), quoted(s.campaign), number(s.error_before), number(s.error_after), number(s.plain_before),
-        number(s.plain_after), number(s.floor), s.unit, s.accepted);
+        number(s.plain_after), s.one_law ? std::string("one_law = true\n") : "floor = " + number(s.floor) + "\n", s.unit, s.accepted);
   return out;
 }
 

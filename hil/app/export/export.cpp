@@ -41,6 +41,13 @@ std::vector<std::string> fit_notes(const ExportResult& r) {
   return out;
 }
 
+// Nobody tells a firmware what the film felt before it was switched on.
+std::string begins_anew(const Model& model) {
+  const std::vector<std::string> effects = model.effect_names();
+  if (std::ranges::find(effects, "hysteresis") == effects.end()) return {};
+  return "the loop begins anew at power-up, as of a film that was unloaded: until the load has been through its range once, the force may be off by as much as the loop is wide";
+}
+
 std::vector<std::string> notes_of(const ExportResult& r) {
   std::vector<std::string> out;
   if (!r.self.made) out.push_back("not held against the model's own inverse: " + r.self.why_not);
@@ -122,8 +129,9 @@ Result<ExportResult> export_model(const ExportRequest& request) {
       fmt::format("Model {}, SHA-256 {}.", model.name, sha256_hex(write_model(model)).substr(0, 16)));
   for (const HistoryStep& step : model.history) {
     const PrintedUnit unit = printed_unit(step.unit);
-    options.provenance.push_back(fmt::format("{} on campaign {}: held-out error {:.3g} -> {:.3g} {}.",
-                                             step.effect.empty() ? "Refitted" : step.effect + " added", step.campaign,
+    options.provenance.push_back(fmt::format("{} on campaign {}: {} error {:.3g} -> {:.3g} {}.",
+                                             step.one_law ? "One law for all records" : step.effect.empty() ? "Refitted" : step.effect + " added", step.campaign,
+                                             step.one_law ? "left-out" : "held-out",
                                              unit.factor * step.error_before, unit.factor * step.error_after, unit.name));
   }
   options.provenance.push_back(fmt::format("G {} N/{}, F0 {} N, b x {}, c/a x {}.",
@@ -142,6 +150,10 @@ Result<ExportResult> export_model(const ExportRequest& request) {
   out.notes = undone_as_written_notes(model);
   for (const std::string& name : never_fitted_equations(model)) options.provenance.push_back(name + ": as written, never fitted.");
   for (const std::string& name : never_fitted_effects(model)) options.provenance.push_back(name + ": as written, never fitted.");
+  if (const std::string text = begins_anew(model); !text.empty()) {
+    out.notes.push_back(text);
+    options.provenance.push_back(text + ".");
+  }
   FORCEGATE_TRY(out.compensator, make_compensator(model, options));
   FORCEGATE_TRY(out.self, self_check(model, out.compensator, request.rate_Hz));
   out.calibration = options.calibration;

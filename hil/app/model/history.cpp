@@ -49,10 +49,10 @@ std::string history_text(const History& h) {
   if (h.model.history.empty()) out += "  no steps yet: the model is as it was written\n";
   for (const HistoryStep& s : h.model.history) {
     const PrintedUnit unit = printed_unit(s.unit);
-    out += fmt::format("  {:<22} on {:<16} {:>8} -> {:>8} {} held out (floor {}){}\n",
-                       s.effect.empty() ? "refit" : "+ " + s.effect, s.campaign,
-                       plain_number(unit.factor * s.error_before), plain_number(unit.factor * s.error_after), unit.name,
-                       plain_number(unit.factor * s.floor), s.accepted ? "" : "  [the held-out error did not fall]");
+    const std::string step = fmt::format("  {:<22} on {:<16} {:>8} -> {:>8} {} ", s.one_law ? "one law for all" : s.effect.empty() ? "refit" : "+ " + s.effect, s.campaign,
+                                         plain_number(unit.factor * s.error_before), plain_number(unit.factor * s.error_after), unit.name);
+    if (s.one_law) out += step + "left out, of the law without effects and with them; no record has a gain of its own here\n";
+    else out += step + fmt::format("held out (floor {}){}\n", plain_number(unit.factor * s.floor), s.accepted ? "" : "  [the held-out error did not fall]");
   }
   if (h.waterfall) out += "waterfall, held out:\n" + waterfall_text(*h.waterfall);
   return out;
@@ -67,9 +67,10 @@ std::string history_json(const History& h) {
                      {"error_after", s.error_after},
                      {"plain_before", s.plain_before},
                      {"plain_after", s.plain_after},
-                     {"floor", s.floor},
+                     {"floor", s.one_law ? nlohmann::ordered_json() : nlohmann::ordered_json(s.floor)},
                      {"unit", s.unit},
-                     {"accepted", s.accepted}});
+                     {"accepted", s.accepted},
+                     {"one_law", s.one_law}});
   nlohmann::ordered_json out = {{"format", 1}, {"model", h.model.name}, {"steps", steps}};
   if (h.waterfall) out["waterfall"] = nlohmann::ordered_json::parse(waterfall_json(*h.waterfall));
   return out.dump(2) + "\n";

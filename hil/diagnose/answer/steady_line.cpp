@@ -11,6 +11,7 @@
 #include "hil/base/quantile.h"
 #include "hil/diagnose/answer/window_power.h"
 #include "hil/diagnose/raw/line_peak.h"
+#include "hil/diagnose/raw/record_scales.h"
 
 namespace forcegate::diagnose {
 
@@ -116,17 +117,27 @@ std::optional<Line> line_of(const RecordInput& record, double gain_V_per_N, bool
   return Line{middle / (record.row_step_s * static_cast<double>(kPowerWindow)), std::sqrt(2.0 * quantile(share, 0.5) * quantile(square, 0.5))};
 }
 
+// Rounding of a steady ramp is a saw-tooth; the amplitude of its line is a step over pi.
+double line_of_rounding_V(const Workspace& w, const RecordHealth& h) {
+  constexpr double kOfStep = 0.4;
+  const BenchFacts& bench = w.input.bench;
+  const double step_V = std::max(h.lsb_U_V, w.input.in_counts ? 0.0 : declared_step_V(bench, w.input.U_range_V));
+  const double step_N = std::isfinite(bench.reference_resolution_N) ? std::max(h.lsb_F_N, bench.reference_resolution_N) : h.lsb_F_N;
+  return kOfStep * std::max(step_V, std::abs(w.scales.gain_V_per_N) * step_N);
+}
+
 }  // namespace
 
 std::optional<SteadyLine> steady_line(const Workspace& w) {
   constexpr double kLeast = 0.0015;  // of the span
   std::vector<double> frequency_Hz, amplitude_V;
   std::size_t asked = 0;
-  for (const RecordInput& record : w.input.records) {
+  for (std::size_t k = 0; k < w.input.records.size(); ++k) {
+    const RecordInput& record = w.input.records[k];
     bool can_tell = false;
     const std::optional<Line> line = line_of(record, w.scales.gain_V_per_N, can_tell);
     asked += can_tell ? 1 : 0;
-    if (!line || !(line->amplitude_V > kLeast * w.output.scale)) continue;
+    if (!line || !(line->amplitude_V > std::max(kLeast * w.output.scale, line_of_rounding_V(w, w.health[k])))) continue;
     frequency_Hz.push_back(line->frequency_Hz);
     amplitude_V.push_back(line->amplitude_V);
   }

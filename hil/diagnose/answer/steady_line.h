@@ -16,7 +16,8 @@ struct SteadyLine {
 /// In windows of 256 rows that follow each other, of what the output has there beside a parabola over time, the force and its rate: half of the
 /// power of most windows at one frequency, the same in all of them, three cycles of it in a window at least, nothing else a fifth of it; the
 /// load has less there, and it is none of the load's first eight harmonics. In half of the records that have some windows, and two of them
-/// where there are two. Its amplitude is 0.15 % of the span at least. Hum that was claimed has been taken off the rows.
+/// where there are two. Its amplitude is 0.15 % of the span at least, and more
+/// than a saw-tooth of the instruments' steps has, visible or declared. Hum that was claimed has been taken off the rows.
 std::optional<SteadyLine> steady_line(const Workspace& workspace);
 
 }  // namespace forcegate::diagnose

@@ -8,6 +8,7 @@
 #include "hil/base/parallel.h"
 #include "hil/diagnose/base/own_decay.h"
 #include "hil/diagnose/base/repeatability.h"
+#include "hil/diagnose/raw/record_scales.h"
 #include "hil/diagnose/raw/sample_noise.h"
 #include "hil/diagnose/workspace.h"
 #include "hil/model/rows.h"
@@ -24,6 +25,13 @@ std::uint64_t mixed(std::uint64_t x) {
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
   x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
   return x ^ (x >> 31);
+}
+
+// A file of means shows no step, and its means keep what the noise before the converter did not dither: of that the declared noise tells, for
+// what the means scatter by is less.
+double left_of_hidden_step(double declared, double visible, double noise) {
+  constexpr double kHidden = 2.0;
+  return declared > kHidden * visible ? left_of_dithered_step(declared, noise) : 0.0;
 }
 
 // Errors in variables: what the instruments' steps leave in a row although they do as declared.
@@ -49,7 +57,15 @@ void set_noise(Workspace& w, unsigned threads) {
     const double white = std::min(white_noise(e, e.size()), kMostOfSamples * of_samples);
     // steps are only averaged away when noise dithers them
     const auto left_of = [](double step, double noise) { return step > 0.0 ? step * std::clamp(1.2 - 2.0 * noise / step, 0.3, 1.0) : 0.0; };
-    const double undithered = h != nullptr ? std::hypot(w.gain_V_per_N * decay * left_of(step_F, h->noise_F_N), left_of(step_U, h->noise_U_V)) / std::sqrt(12.0) : 0.0;
+    double undithered = 0.0;
+    if (h != nullptr) {
+      const BenchFacts& bench = w.input.bench;
+      const double noise_F = std::isfinite(bench.reference_noise_N) ? bench.reference_noise_N : h->noise_F_N;
+      const double hidden_F = std::isfinite(bench.reference_resolution_N) ? left_of_hidden_step(bench.reference_resolution_N, step_F, noise_F) : 0.0;
+      const double hidden_U = w.input.in_counts ? 0.0 : left_of_hidden_step(declared_step_V(bench, w.input.U_range_V), step_U, h->noise_U_V);
+      const double of_F = std::max(left_of(step_F, h->noise_F_N) / std::sqrt(12.0), hidden_F), of_U = std::max(left_of(step_U, h->noise_U_V) / std::sqrt(12.0), hidden_U);
+      undithered = std::hypot(w.gain_V_per_N * decay * of_F, of_U);
+    }
     w.smoothed_V[k] = h != nullptr ? w.gain_V_per_N * decay * h->smoothed_F_N : 0.0;
     w.white_V[k] = white + 1e-4 * w.input.U_range_V;
     w.noise_V[k] = std::hypot(white, undithered) + 1e-4 * w.input.U_range_V;

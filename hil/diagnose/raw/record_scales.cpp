@@ -39,12 +39,17 @@ double step_of_force(const ForceAndOutput& samples, const HealthScales& campaign
 // Where no record shows one it is that which the converter is said to have.
 double step_of_output(const ForceAndOutput& samples, const HealthScales& campaign, const BenchFacts& bench) {
   const double own_V = value_step(samples.U_V()), step_V = own_V == 0.0 ? campaign.step_V : own_V;
-  if (step_V != 0.0 || bench.adc_bits <= 0 || !shows_few_values(samples.U_V())) return step_V;
-  const double range_V = std::isfinite(bench.voltage_max_V) ? bench.voltage_max_V - lowest_code_V(bench) : campaign.U_range_V;
-  return range_V / std::exp2(bench.adc_bits);
+  if (step_V != 0.0 || !shows_few_values(samples.U_V())) return step_V;
+  return declared_step_V(bench, campaign.U_range_V);
 }
 
 }  // namespace
+
+double declared_step_V(const BenchFacts& bench, double U_range_V) {
+  if (bench.adc_bits <= 0) return 0.0;
+  const double range_V = std::isfinite(bench.voltage_max_V) ? bench.voltage_max_V - lowest_code_V(bench) : U_range_V;
+  return range_V / std::exp2(bench.adc_bits);
+}
 
 double quiet_step_V(const ForceAndOutput& samples, double noise_V, double lsb_V, const HealthScales& campaign) {
   constexpr double kOfNoise = 8.0, kNoiseOfStep = 0.3, kOfRange = 0.012, kOfRestless = 6.0;

@@ -17,6 +17,9 @@ struct RecordScales {
 
 RecordScales record_scales(const ForceAndOutput& samples, const HealthScales& campaign, const BenchFacts& bench);
 
+/// Step of the converter that the lab declared, V; 0: none.
+double declared_step_V(const BenchFacts& bench, double U_range_V);
+
 /// What noise, of `noise_V` per sample, and steps of the values do between two samples, V.
 double quiet_step_V(const ForceAndOutput& samples, double noise_V, double lsb_V, const HealthScales& campaign);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "hil/base/quantile.h"
 
@@ -107,6 +108,17 @@ double value_step(const std::vector<double>& x) {
     if (step > 0.0 && static_cast<double>(std::ranges::count_if(gaps, fits)) > 0.9 * static_cast<double>(gaps.size())) return step;
   }
   return 0.0;
+}
+
+double left_of_dithered_step(double step, double noise) {
+  constexpr int kHarmonics = 30;
+  if (!(step > 0.0)) return 0.0;
+  double sum = 0.0;
+  for (int k = 1; k <= kHarmonics; ++k) {
+    const double phase = 2.0 * std::numbers::pi * k * noise / step;
+    sum += std::exp(-phase * phase) / (k * k);
+  }
+  return step / std::numbers::pi * std::sqrt(0.5 * sum);
 }
 
 bool are_set_levels(const std::vector<double>& F_N, double step_N, const std::vector<double>& U_V, double gain_V_per_N) {

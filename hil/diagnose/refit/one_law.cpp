@@ -384,6 +384,7 @@ Result<OneLawFit> fit_one_law(Campaign campaign, const Model& start, const IsUsa
   HistoryStep step;
   step.unit = rows.unit;
   step.campaign = name;
+  step.one_law = true;
   step.error_before = step.plain_before = out.law_left_out_V;
   step.error_after = step.plain_after = out.left_out_V;
   out.model.history.push_back(step);

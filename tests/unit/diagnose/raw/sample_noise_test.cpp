@@ -54,5 +54,25 @@ TEST(SampleNoise, ARecordingThatMissesEveryThirdSampleHasTheFloorOfAWholeOne) {
   }
 }
 
+// Means of samples that were rounded, over the places that a value may have between two steps.
+TEST(SampleNoise, WhatADitheredStepLeavesInAMean) {
+  constexpr double kStep = 0.025;
+  constexpr int kPlaces = 100, kSamples = 20000;
+  for (const double noise : {0.0, 0.1 * kStep, 0.24 * kStep, 0.35 * kStep}) {
+    Rng rng(5, "dither");
+    double square = 0.0;
+    for (int i = 0; i < kPlaces; ++i) {
+      const double x = (i + 0.5) / kPlaces * kStep;
+      double mean = 0.0;
+      for (int k = 0; k < kSamples; ++k) mean += std::round((x + noise * rng.normal()) / kStep) * kStep / kSamples;
+      square += (mean - x) * (mean - x) / kPlaces;
+    }
+    EXPECT_NEAR(left_of_dithered_step(kStep, noise), std::sqrt(square), 0.03 * kStep / std::sqrt(12.0)) << noise;
+  }
+  EXPECT_NEAR(left_of_dithered_step(1.0, 0.0), 1.0 / std::sqrt(12.0), 0.01);
+  EXPECT_LT(left_of_dithered_step(1.0, 0.6), 1e-3);
+  EXPECT_EQ(left_of_dithered_step(0.0, 1.0), 0.0);
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose
