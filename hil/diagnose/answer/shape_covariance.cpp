@@ -61,7 +61,7 @@ double ShapeCovariance::of_shape(int variant, std::size_t index) const {
 }
 
 ShapeCovariance shape_covariance(const CampaignInput& campaign, const ResidualChannel& channel, const MixedFit& fit, const std::vector<int>& variants) {
-  ShapeCovariance out{fit.covariance, {}};
+  ShapeCovariance out{fit.covariance, {}, {}};
   std::vector<double> known;
   for (const int v : variants) {
     const Candidate& c = candidate_of(channel, v);
@@ -107,8 +107,12 @@ ShapeCovariance shape_covariance(const CampaignInput& campaign, const ResidualCh
   MixedFit start = fit;
   std::iota(start.columns.begin(), start.columns.end(), 0);
   const MixedFit joint = fit_mixed(problem, columns, &start, 1, fit.use);
-  if (joint.valid) out.covariance = joint.covariance;
-  else out.shapes.clear();
+  if (joint.valid) {
+    out.covariance = joint.covariance;
+    out.step = joint.coefficient.tail(static_cast<Index>(out.shapes.size()));
+  } else {
+    out.shapes.clear();
+  }
   return out;
 }
 

@@ -14,6 +14,7 @@ struct ShapeCovariance {
   };
   Eigen::MatrixXd covariance;  ///< coefficients of the fit, then shapes
   std::vector<Shape> shapes;   ///< those that are continuous
+  Eigen::VectorXd step;        ///< of each shape, to where the residual asks it (one Gauss-Newton step, all together with the coefficients)
 
   /// Standard uncertainties, k = 1, in units of the parameter; 0 for a shape that is chosen from a list.
   double of_coefficient(Eigen::Index at) const;

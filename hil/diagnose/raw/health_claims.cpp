@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <optional>
 #include <utility>
 
@@ -17,6 +19,20 @@
 namespace forcegate::diagnose {
 
 namespace {
+
+// Where samples are held again and again, one run is held at the highest value too. A rail is one value, and met more than once.
+bool is_held_at_top(const std::vector<RecordHealth>& health, const HealthTotals& totals) {
+  constexpr double kSameOfSteps = 1.5;
+  const RecordHealth* highest = nullptr;
+  for (const RecordHealth& h : health)
+    if (h.at_rail > 0 && (highest == nullptr || h.rail_V > highest->rail_V)) highest = &h;
+  if (highest == nullptr || totals.held < static_cast<double>(highest->at_rail)) return false;
+  std::ptrdiff_t met = 0;
+  for (const RecordHealth& h : health)
+    if (h.at_rail > 0)
+      met += std::ranges::count_if(h.runs, [&](const HeldRun& run) { return std::abs(run.value_V - highest->rail_V) <= kSameOfSteps * highest->lsb_U_V + 1e-12; });
+  return met < 2;
+}
 
 std::optional<HealthClaim> claim_of_clipping(const HealthTotals& totals, const HealthScales& scales) {
   constexpr double kLeast = 1e-3;
@@ -44,8 +60,10 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
   }
   add(claim_of_bit_errors(totals, scales));
   add(claim_of_outliers(health, totals, scales));
-  add(claim_of_dropouts(health, totals, scales, codes.found));
-  add(claim_of_clipping(totals, scales));
+  std::optional<HealthClaim> dropouts = claim_of_dropouts(health, totals, scales, codes.found);
+  const bool held_at_top = dropouts && is_held_at_top(health, totals);
+  add(std::move(dropouts));
+  if (!held_at_top) add(claim_of_clipping(totals, scales));
   add(claim_of_hum(health, scales));
   add(claim_of_reference_noise(health, scales, bench));
   return out;

@@ -12,6 +12,7 @@
 #include "hil/diagnose/choose/screen.h"
 #include "hil/diagnose/choose/select.h"
 #include "hil/diagnose/refit/best_form.h"
+#include "hil/diagnose/refit/joint_shapes.h"
 #include "hil/diagnose/refit/seen_terms.h"
 
 namespace forcegate::diagnose {
@@ -81,13 +82,14 @@ Result<FittedEffects> fit_beside_each_other(Workspace& w, const Model& at, const
     now = std::move(best.second);
   }
   FittedEffects out;
+  for (const Forms& f : forms) out.variants.insert(out.variants.end(), f.variants.begin(), f.variants.end());
+  if (now.valid) move_together(w, out.variants, now, threads);
   out.chain.push_back(std::move(law));
   std::vector<int> present = out.law().columns;
   for (std::size_t k = 0; k < names.size(); ++k) {
     add_columns(present, forms[k].columns);
     if (present == now.columns) out.chain.push_back(std::move(now));
     else out.chain.push_back(fit_mixed(w.output.problem, present, k + 1 < names.size() ? &out.all() : &now, kRounds));
-    out.variants.insert(out.variants.end(), forms[k].variants.begin(), forms[k].variants.end());
     out.columns.emplace_back(names[k], std::move(forms[k].columns));
   }
   return out;

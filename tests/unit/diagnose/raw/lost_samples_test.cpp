@@ -46,6 +46,27 @@ TEST(LostSamples, OneRecordThatHoldsAgainAndAgainIsEnoughWhereTheOthersAreSlow) 
   EXPECT_TRUE(held(5).empty()) << "a hand on the cable";
 }
 
+// The highest sample is held as any other is; a rail is met again at the same value.
+TEST(LostSamples, HeldAtTheHighestSampleIsNoRail) {
+  const auto effects = [](int of_top) {
+    Campaign c = make_campaign(35, straight);
+    for (const std::size_t k : {0u, 4u, 7u}) {
+      auto& held = c.records[k].trace.find("U")->value;
+      std::fill_n(held.begin() + 5000, 300, held[5000]);
+    }
+    auto& U = c.records[3].trace.find("U")->value;  // the fast ramps
+    const auto top = std::ranges::max_element(U);
+    const double top_V = *top;
+    std::fill_n(top, 280, top_V);
+    for (int again = 1; again < of_top; ++again) std::fill_n(U.begin() + 450 + 4000 * again, 100, top_V);
+    std::vector<std::string> out;
+    for (const HealthClaim& claim : claims_of_samples(c)) out.push_back(claim.effect);
+    return out;
+  };
+  EXPECT_EQ(effects(1), (std::vector<std::string>{"dropouts"}));
+  EXPECT_EQ(effects(3), (std::vector<std::string>{"dropouts", "clipping"}));
+}
+
 // Whatever the force does meanwhile: the noise would have gone on.
 TEST(LostSamples, OneCodeForLongIsHeldWhereNoiseGoesOverTheCodes) {
   const auto held = [](std::size_t each) {
