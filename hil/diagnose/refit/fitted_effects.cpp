@@ -1,8 +1,11 @@
 #include "hil/diagnose/refit/fitted_effects.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <iterator>
 #include <optional>
+#include <span>
 
 #include "hil/diagnose/base_errors.h"
 #include "hil/diagnose/candidates/signatures.h"
@@ -60,6 +63,29 @@ Result<std::pair<Forms, MixedFit>> best_beside(Workspace& w, const Model& at, co
   return std::pair{Forms{std::move(taken.variants), std::move(taken.columns)}, std::move(taken.fit)};
 }
 
+bool stand_together(const Candidate& a, const Candidate& b) {
+  constexpr double kSame = 0.02;
+  return a.kind == b.kind && a.form == b.form && std::ranges::equal(a.shape, b.shape, [](double x, double y) { return std::abs(x - y) <= kSame * std::abs(y); });
+}
+
+// Two of one form that have come to one shape are one, with strengths that nothing tells apart.
+void drop_twins(Workspace& w, Forms& forms, MixedFit& fit) {
+  const ResidualChannel& channel = w.output;
+  for (std::size_t k = 1; k < forms.variants.size(); ++k) {
+    const Candidate& own = candidate_of(channel, forms.variants[k]);
+    const auto before = std::span(forms.variants).first(k);
+    if (std::ranges::none_of(before, [&](int v) { return stand_together(candidate_of(channel, v), own); })) continue;
+    const auto is_own = [&](int column) { return own.owns(column); };
+    std::vector<int> columns = fit.columns;
+    std::erase_if(columns, is_own);
+    MixedFit without = fit_mixed(channel.problem, columns, &fit, kRounds, fit.use);
+    if (!without.valid) return;
+    fit = std::move(without);
+    std::erase_if(forms.columns, is_own);
+    forms.variants.erase(forms.variants.begin() + static_cast<std::ptrdiff_t>(k--));
+  }
+}
+
 Result<FittedEffects> fit_beside_each_other(Workspace& w, const Model& at, const std::vector<std::string>& names, MixedFit law, unsigned threads,
                                             std::vector<std::string>& notes) {
   if (!law.valid) return fail(ErrorCode::config, "the records do not determine the model", w.input.name, "more records, or records with more force");
@@ -81,9 +107,16 @@ Result<FittedEffects> fit_beside_each_other(Workspace& w, const Model& at, const
     forms[k] = std::move(best.first);
     now = std::move(best.second);
   }
+  const auto all_variants = [&] {
+    std::vector<int> out;
+    for (const Forms& f : forms) out.insert(out.end(), f.variants.begin(), f.variants.end());
+    return out;
+  };
+  if (now.valid) move_together(w, all_variants(), now, threads);
+  for (Forms& f : forms)
+    if (now.valid) drop_twins(w, f, now);
   FittedEffects out;
-  for (const Forms& f : forms) out.variants.insert(out.variants.end(), f.variants.begin(), f.variants.end());
-  if (now.valid) move_together(w, out.variants, now, threads);
+  out.variants = all_variants();
   out.chain.push_back(std::move(law));
   std::vector<int> present = out.law().columns;
   for (std::size_t k = 0; k < names.size(); ++k) {
