@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "hil/app/files/write_file.h"
+#include "hil/base/output_path.h"
 #include "hil/base/read_file.h"
 #include "hil/base/text.h"
 #include "hil/interface/reporter.h"
@@ -92,6 +93,13 @@ fs::path of_another_run(const fs::path& final_path) {
   return {};
 }
 
+// Who stands in a folder that is replaced stands in none, and relative paths lead nowhere.
+bool stands_within(const fs::path& folder) {
+  std::error_code error;
+  const fs::path here = fs::current_path(error), whole = fs::weakly_canonical(folder, error);
+  return !here.empty() && std::mismatch(whole.begin(), whole.end(), here.begin(), here.end()).first == whole.end();
+}
+
 // Temporary folders whose process is gone. Those that hold traces stay under another name, which is returned.
 std::vector<fs::path> remove_leftovers(const fs::path& final_path) {
   const std::string prefix = final_path.filename().string() + kPart;
@@ -119,8 +127,12 @@ std::vector<fs::path> remove_leftovers(const fs::path& final_path) {
 Result<RunFolder> RunFolder::open(const fs::path& final_path) {
   RunFolder folder;
   std::error_code error;
-  folder.final_ = fs::absolute(final_path).lexically_normal();
+  FORCEGATE_TRY(const fs::path target, output_path(final_path));
+  folder.final_ = fs::absolute(target).lexically_normal();
   if (folder.final_.filename().empty()) folder.final_ = folder.final_.parent_path();
+  if (stands_within(folder.final_))
+    return fail(ErrorCode::usage, "the output is the folder that the command is given in, or one above it", folder.final_.string(),
+                "a result replaces its folder as a whole: give the name of another one, for example --output run");
   if (const fs::path other = of_another_run(folder.final_); !other.empty())
     return fail(ErrorCode::usage, "another run is writing there now", folder.final_.string(),
                 "give another folder with --output, or wait for it (it fills " + other.string() + ")");

@@ -14,7 +14,8 @@ class RunFolder {
  public:
   /// Puts an older run of that name aside at once, as NAME.older-PID (while this one lasts it must not be taken for it), and removes
   /// what killed runs left and nothing else, but traces: those stay under the name NAME.unfinished-PID. Refuses (usage) a folder that holds anything but a result
-  /// of ours, and one that another run is filling now: one of the two would be lost.
+  /// of ours, one that another run is filling now (one of the two would be lost), one that the process stands in, and a symbolic link that leads
+  /// nowhere; another link is followed.
   static Result<RunFolder> open(const std::filesystem::path& final_path);
   RunFolder(RunFolder&& other) noexcept;
   RunFolder& operator=(RunFolder&&) = delete;
