@@ -209,7 +209,7 @@ class GateRun {
     std::vector<GoldenMargins> margins;
     RunResult result = judged_run(material, evidence_, material.head.notes, &margins);
     if (!folder || material.cancelled) return result;
-    auto published = publish_run(*folder, {setup_.plan.path, request_.firmware, limits_path_, request_.waivers, evidence_}, material, margins, result);
+    auto published = publish_run(*folder, {setup_.plan.path, request_.firmware, limits_path_, request_.waivers, evidence_, request_.plan}, material, margins, result);
     if (!published) {
       published.error().hint += kept_of(*folder);
       return Unexpected(published.error());

@@ -100,7 +100,7 @@ class WeightGateRun {
     RunResult result = judged_run(m_, evidence_, m_.head.notes, &margins);
     if (folder && result.decision.exit_code != kInterrupted)
       FORCEGATE_CHECK_OK(publish_run(
-          *folder, {m_.plan.path, request_.firmware, {}, request_.waivers, evidence_}, m_, margins, result));
+          *folder, {m_.plan.path, request_.firmware, {}, request_.waivers, evidence_, request_.plan}, m_, margins, result));
     return result;
   }
 
