@@ -113,6 +113,9 @@ TEST_F(GateEvidence, APartOfAPlanIsToldAsOneAndNoSpecimenCountsTwice) {
   EXPECT_THAT(result("whole")["notes"].dump(), Not(HasSubstr("of the plan are played")));
   EXPECT_EQ(gate(kGood, "part", {"--case", "slow", "--specimen", "q50"}).exit_code, 0);
   EXPECT_THAT(result("part")["notes"].dump(), HasSubstr("1 of 2 cases and 1 of 4 records of the plan are played: what else it asks for was not judged; specimens left out: q25"));
+  EXPECT_EQ(gate(kGood, "other", {"--case", "slow", "--specimen", "q75"}).exit_code, 0);
+  EXPECT_THAT(result("other")["notes"].dump(), HasSubstr("1 of 2 cases and 0 of 4 records of the plan are played: what else it asks for was not judged; records beside it: 1; specimens left out: q25, q50; "
+                                                         "specimens that the plan does not name: q75"));
   const ProcessResult twice = gate(kGood, "twice", {"--specimen", "q50", "--specimen", "q50"});
   EXPECT_EQ(twice.exit_code, 2) << twice.out;
   EXPECT_THAT(twice.err, HasSubstr("specimen 'q50' is named twice"));
