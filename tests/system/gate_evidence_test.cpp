@@ -264,5 +264,22 @@ TEST_F(GateEvidence, WhatAPlanCannotPassOrNeverJudgesIsToldBeforeItIsPlayed) {
   EXPECT_THAT(told("maxima_pct", "maxima_pct"), testing::Pair(0, Not(HasSubstr("note: "))));
 }
 
+TEST_F(GateEvidence, AGateThatAlwaysEndsUndecidedIsARemarkOfThePlan) {
+  const auto told = [&](const std::string& from, const std::string& to) {
+    write_text(plan, replaced(kPlan, from, to));
+    return run({"plan", plan}).out;
+  };
+  const std::string few = "extrema that stand out by ";
+  EXPECT_THAT(told("A_N = 1.05", "A_N = 0.02"), HasSubstr("case slow: its profile has 0 " + few + "0.05 N"));
+  EXPECT_THAT(told("A_N = 1.05", "A_N = 0"), HasSubstr("its profile has 0 " + few));
+  EXPECT_THAT(told("maxima_pct = 95\n", "maxima_pct = 95\nprominence_N = 3\n"), HasSubstr("its profile has 0 " + few + "3 N"));
+  EXPECT_THAT(told("f_Hz = 2,", "f_Hz = 0.015,"), HasSubstr("case slow: its profile has 2 " + few + "0.2625 N (prominence_N), an accuracy needs 4"));
+  EXPECT_THAT(told("f_Hz = 2,", "f_Hz = 40,"), HasSubstr("case slow: the wheel is commanded every 10 ms and does not follow 40 Hz, at most 25 Hz"));
+  EXPECT_THAT(told("\"accuracy\"", "\"hold\""), HasSubstr("case slow asks for 'hold', and its profile holds no force for more than 30 s"));
+  const std::string golden = told("\"accuracy\"", "\"golden\"");
+  EXPECT_THAT(golden, HasSubstr("[limits] names no folder of them (goldens = "));
+  EXPECT_THAT(golden, Not(HasSubstr("no folder ,")));
+}
+
 }  // namespace
 }  // namespace forcegate::test
