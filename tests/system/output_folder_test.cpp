@@ -50,6 +50,17 @@ TEST_F(OutputFolder, TheFolderOneStandsInIsRefusedBeforeTheRunAndStays) {
   }
 }
 
+TEST_F(OutputFolder, ThatHoldsWhatTheRunReadsIsRefusedAndStays) {
+  in("", {"gate", "image.so", "--plan", "gold.toml", "-o", "run"});
+  const std::string before = read_text(folder / "run/bundle.json");
+  for (const std::vector<std::string>& line : {std::vector<std::string>{"gate", "run/bundle/firmware", "--plan", "gold.toml", "-o", "run"}, {"gate", "image.so", "--plan", "run/bundle/plan.toml", "-o", "run"}}) {
+    const ProcessResult r = in("", line);
+    EXPECT_EQ(r.exit_code, 2) << r.out;
+    EXPECT_THAT(r.err, AllOf(HasSubstr("a file of the folder that it replaces"), HasSubstr("run/bundle/"), Not(HasSubstr("%"))));
+    EXPECT_EQ(read_text(folder / "run/bundle.json"), before);
+  }
+}
+
 TEST_F(OutputFolder, ALinkStaysAndItsTargetIsWritten) {
   fs::create_symlink("empty", folder / "link");
   for (int time = 0; time < 2; ++time) {  // the second one replaces an older run
