@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "hil/base/read_number.h"
 #include "hil/base/text.h"
 
 namespace forcegate {
@@ -20,6 +21,21 @@ std::string_view name_of(ConfigNode::Kind kind) {
     case ConfigNode::Kind::other: return "a date or time";
   }
   return "something else";
+}
+
+// How a value of that kind is written. Of a number in quotes the quotes alone are wrong.
+std::string example_of(std::string_view name, ConfigNode::Kind kind, const ConfigNode& given) {
+  const bool quoted = given.kind == ConfigNode::Kind::text && read_number(given.text).has_value();
+  switch (kind) {
+    case ConfigNode::Kind::number: return quoted ? fmt::format("leave the quotes out: {} = {}", name, given.text) : fmt::format("write {} = 0.5", name);
+    case ConfigNode::Kind::integer: return fmt::format("write {} = 1", name);
+    case ConfigNode::Kind::text: return fmt::format("write {} = \"...\"", name);
+    case ConfigNode::Kind::array: return fmt::format("write {} = [...]", name);
+    case ConfigNode::Kind::table: return fmt::format("write [{}] and its keys below it", name);
+    case ConfigNode::Kind::boolean: return fmt::format("write {} = true, or false", name);
+    case ConfigNode::Kind::other: break;
+  }
+  return {};
 }
 
 }  // namespace
@@ -68,7 +84,7 @@ const ConfigNode* ConfigReader::take(std::string_view name, ConfigNode::Kind kin
       kind == ConfigNode::Kind::number && node->kind == ConfigNode::Kind::integer;
   if (node->kind != kind && !number_from_integer) {
     complain(*node,
-             fmt::format("'{}' in {} must be {}, not {}", name, what_, name_of(kind), node->kind_name()));
+             fmt::format("'{}' in {} must be {}, not {}", name, what_, name_of(kind), node->kind_name()), example_of(name, kind, *node));
     return nullptr;
   }
   return node;

@@ -19,6 +19,9 @@ struct Unit {
 /// Looks a symbol up ("mN", "degC", "kPa"); the signs for micro, degree and ohm are known. Empty when unknown. Case matters: "mN" is not "MN".
 std::optional<Unit> find_unit(std::string_view symbol);
 
+/// A unit as a text shows it: that of a number without one, "1", is none.
+inline std::string_view unit_in_text(std::string_view unit) { return unit == "1" ? std::string_view() : unit; }
+
 struct NamedColumn {
   std::string name;  ///< "F_ref"
   Unit unit;

@@ -106,19 +106,23 @@ Decision reject(const std::vector<const Check*>& failed, std::span<const Check* 
   Decision d;
   d.kind = DecisionKind::reject;
   d.exit_code = 1;
-  const Check& first = *worst(failed);
+  // A waiver past its day says nothing about the build: what the build fails in comes first.
+  std::vector<const Check*> of_build, of_user;
+  std::ranges::partition_copy(failed, std::back_inserter(of_user), std::back_inserter(of_build), [](const Check* c) { return c->blame == Blame::user; });
+  const std::vector<const Check*>& judged = of_build.empty() ? failed : of_build;
+  const Check& first = *worst(judged);
   d.blame = first.blame == Blame::none ? Blame::firmware : first.blame;
   d.reason = check_in_words(first) + named(first) + more(failed.size());
   // Below level `identified` an image that does what its algorithm says fails for want of calibration.
   const bool only_algorithm =
-      std::all_of(failed.begin(), failed.end(), [](const Check* c) { return is_algorithm_check(*c); });
+      std::all_of(judged.begin(), judged.end(), [](const Check* c) { return is_algorithm_check(*c); });
   const bool conforms = std::any_of(all.begin(), all.end(), [](const Check* c) {
     return c->id == "conformance" && c->verdict == Verdict::pass;
   });
   const bool unknown = std::any_of(all.begin(), all.end(), [](const Check* c) {
     return c->id == "conformance" && c->verdict == Verdict::not_run;
   });
-  if (events.level == CalibrationLevel::nominal && only_algorithm && unknown)
+  if (events.level == CalibrationLevel::nominal && only_algorithm && unknown && judged.size() == failed.size())
     return no_decision(Blame::calibration, 3,
                        "firmware or calibration, it cannot be told at level 'nominal' of an algorithm that only the image knows: " +
                            d.reason + "; calibrate the specimen (--calibration identified, for a recording --cal FILE)");
@@ -129,6 +133,7 @@ Decision reject(const std::vector<const Check*>& failed, std::span<const Check* 
         "calibrate the specimen (--calibration identified, for a recording --cal FILE)",
         to_string(events.level), d.reason);
   }
+  if (!of_build.empty() && !of_user.empty()) d.reason += "; besides, " + title_and_evidence(*of_user.front());
   if (events.safety_stop && !events.safety_text.empty() && d.reason.find(events.safety_text) == std::string::npos)
     d.reason += "; " + events.safety_text;
   return d;

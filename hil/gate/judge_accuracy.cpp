@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kFewMissing = 0.02;
-constexpr std::size_t kOfEachKind = 2, kExtremaNeeded = 2 * kOfEachKind;  // one has no spread
+constexpr std::size_t kOfEachKind = kExtremaOfAccuracy / 2;
 
 Limit limit_of(const std::string& id, const std::optional<double>& given, const PlanCase& planned,
                const DerivedLimits& limits) {
@@ -98,9 +98,9 @@ std::string too_few(const Accuracy& a, const Plan& plan, const CaseRecord& recor
 void judge_accuracy(const Plan& plan, const PlanCase& planned, const CaseRecord& record,
                     const DerivedLimits& limits, CaseChecks& checks, JudgedCase& out) {
   const Blame of_profile = record.rig.can_move ? Blame::user : Blame::recording;
-  if (const std::size_t n = record.pairs.size(); planned.checks & kCheckAccuracy && n < kExtremaNeeded)
+  if (const std::size_t n = record.pairs.size(); planned.checks & kCheckAccuracy && n < kExtremaOfAccuracy)
     checks.final_check("accuracy", "Extrema to judge the accuracy on", Verdict::not_run, of_profile,
-                       fmt::format("the record holds {} extrema, an accuracy needs {}", n, kExtremaNeeded));
+                       fmt::format("the record holds {} extrema, an accuracy needs {}", n, kExtremaOfAccuracy));
   if (!record.facts.dynamic && record.pairs.empty()) return;
   const bool closed = planned.loop == LoopMode::closed;
   const char* against = closed ? "ATI against set-point" : "firmware against ATI";

@@ -6,6 +6,8 @@
 
 namespace forcegate {
 
+inline constexpr std::size_t kExtremaOfAccuracy = 4;  ///< two of each kind: one has no spread
+
 /// Open loop: against the plan's or the derived limits. Closed loop: reported, and kept in `out` for the panel. After rig, link and coverage.
 void judge_accuracy(const Plan& plan, const PlanCase& planned, const CaseRecord& record,
                     const DerivedLimits& limits, CaseChecks& checks, JudgedCase& out);

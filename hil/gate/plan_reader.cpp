@@ -34,11 +34,11 @@ Result<StimulusSpec> read_stimulus(const ConfigNode& node, std::uint64_t seed) {
     const ConfigNode& item = node.items[i];
     if (name == "name") {
       if (item.kind != ConfigNode::Kind::text)
-        return fail(ErrorCode::config, "'name' of a stimulus must be a text in quotes", item.where);
+        return fail(ErrorCode::config, "'name' of a stimulus must be a text in quotes", item.where, "write name = \"sine\" (forcegate stimulus --help lists them)");
       spec.name = item.text;
     } else if (name == "seed") {
       if (item.kind != ConfigNode::Kind::integer || item.integer < 0)
-        return fail(ErrorCode::config, "'seed' of a stimulus must be a whole number from 0", item.where);
+        return fail(ErrorCode::config, "'seed' of a stimulus must be a whole number from 0", item.where, "write seed = 1");
       spec.seed = static_cast<std::uint64_t>(item.integer);
     } else if (item.kind == ConfigNode::Kind::number || item.kind == ConfigNode::Kind::integer) {
       spec.numbers[name] = item.number;
@@ -48,12 +48,12 @@ Result<StimulusSpec> read_stimulus(const ConfigNode& node, std::uint64_t seed) {
       for (const ConfigNode& value : item.items) {
         if (value.kind != ConfigNode::Kind::number && value.kind != ConfigNode::Kind::integer)
           return fail(ErrorCode::config, fmt::format("'{}' of a stimulus must hold numbers", name),
-                      value.where);
+                      value.where, "write " + name + " = [0.5, 1]");
         spec.lists[name].push_back(value.number);
       }
     } else {
       return fail(ErrorCode::config, fmt::format("'{}' of a stimulus cannot be {}", name, item.kind_name()),
-                  item.where);
+                  item.where, "give a number, a text in quotes or a list of numbers");
     }
   }
   if (spec.name.empty())
@@ -126,12 +126,12 @@ Result<void> read_specimens(ConfigReader& r, std::vector<std::string>& out, cons
   std::set<std::string> seen;
   for (const std::string& specimen : out) {
     if (!usable_name(specimen))
-      r.complain(*table.find("specimens"), fmt::format("'{}' cannot name a specimen", specimen));
+      r.complain(*table.find("specimens"), fmt::format("'{}' cannot name a specimen", specimen), "use up to 80 letters, digits and _ . + -");
     if (!seen.insert(specimen).second)
-      r.complain(*table.find("specimens"), fmt::format("specimen '{}' is named twice", specimen));
+      r.complain(*table.find("specimens"), fmt::format("specimen '{}' is named twice", specimen), "name every specimen once");
   }
   if (out.empty() || out.size() > kMostSpecimens)
-    r.complain(*table.find("specimens"), "a list of specimens holds 1 to 1000 names");
+    r.complain(*table.find("specimens"), "a list of specimens holds 1 to 1000 names", "write specimens = [\"q50\"], or leave the key of a case out: it then takes the panel");
   return {};
 }
 
@@ -192,7 +192,8 @@ Result<PlanCase> read_case(const ConfigNode& node, const Plan& plan) {
   if (r.good() && c.checks & kCheckPromise && c.loop == LoopMode::open)
     r.complain(*node.find("checks"), "the check 'promise' is about the closed loop", "add loop = \"closed\"");
   if (r.good() && c.checks & kCheckPromise && !(c.maxima_pct && c.minima_pct))
-    r.complain(*node.find("checks"), "the check 'promise' needs maxima_pct, minima_pct and limit_source");
+    r.complain(*node.find("checks"), "the check 'promise' needs maxima_pct, minima_pct and limit_source",
+               "add them: what the mean over the panel may be off, in %, and who says so");
   FORCEGATE_CHECK_OK(r.finish());
   FORCEGATE_TRY(c.stimulus, read_stimulus(*stimulus, mix_seed(plan.seed, "stimulus/" + c.name)));
   FORCEGATE_CHECK_OK(below_the_stop(plan, highest_N(c.stimulus), "the profile of case '" + c.name + "'", stimulus->where));
@@ -215,7 +216,7 @@ Result<void> read_calibration(const ConfigNode& node, Plan& plan) {
   if (r.integer("sweeps", sweeps, 1, 20)) c.sweeps = static_cast<int>(sweeps);
   r.number("rest_s", c.rest_s, 0.0, 1e9);
   if (r.good() && !(c.sweep_high_N > c.sweep_low_N + 0.5))
-    r.complain(node, "the calibration sweep must span more than 0.5 N");
+    r.complain(node, "the calibration sweep must span more than 0.5 N", "raise sweep_high_N, or lower sweep_low_N");
   const ConfigNode* identification = r.table("identification");
   FORCEGATE_CHECK_OK(r.finish());
   if (identification != nullptr) {
@@ -338,7 +339,7 @@ Result<Plan> parse_plan(std::string_view text, const std::string& name) {
   std::int64_t format = 0, seed = 1;
   r.integer("format", format, 1, kPlanFormat, ConfigReader::required);
   r.text("name", plan.name, ConfigReader::required);
-  if (r.good() && !usable_name(plan.name)) r.complain(*root.find("name"), "this cannot name a plan");
+  if (r.good() && !usable_name(plan.name)) r.complain(*root.find("name"), "this cannot name a plan", "use up to 80 letters, digits and _ . + -");
   r.text("doc", plan.doc);
   r.integer("seed", seed, 0, std::numeric_limits<std::int64_t>::max());
   plan.seed = static_cast<std::uint64_t>(seed);
@@ -357,7 +358,7 @@ Result<Plan> parse_plan(std::string_view text, const std::string& name) {
   {
     ConfigReader p(*panel, "[panel]");
     FORCEGATE_CHECK_OK(read_specimens(p, plan.panel, *panel));
-    if (panel->find("specimens") == nullptr) p.complain(*panel, "[panel] needs the key 'specimens'");
+    if (panel->find("specimens") == nullptr) p.complain(*panel, "[panel] needs the key 'specimens'", "write specimens = [\"q50\"]");
     FORCEGATE_CHECK_OK(p.finish());
   }
   if (safety != nullptr) FORCEGATE_CHECK_OK(read_safety(*safety, plan.safety));
@@ -366,14 +367,14 @@ Result<Plan> parse_plan(std::string_view text, const std::string& name) {
   if (uncertainty != nullptr) FORCEGATE_CHECK_OK(read_uncertainty(*uncertainty, plan.uncertainty));
   if (self != nullptr) FORCEGATE_CHECK_OK(read_self_check(*self, plan.self_check));
   if (cases->items.empty() || cases->items.size() > kMostCases)
-    return fail(ErrorCode::config, "a plan holds 1 to 1000 cases", cases->where);
+    return fail(ErrorCode::config, "a plan holds 1 to 1000 cases", cases->where, "write a [[case]] for each");
   std::set<std::string> names;
   for (const ConfigNode& item : cases->items) {
     if (item.kind != ConfigNode::Kind::table)
       return fail(ErrorCode::config, "a case must be a table", item.where, "write [[case]]");
     FORCEGATE_TRY(PlanCase c, read_case(item, plan));
     if (!names.insert(c.name).second)
-      return fail(ErrorCode::config, fmt::format("two cases are named '{}'", c.name), item.where);
+      return fail(ErrorCode::config, fmt::format("two cases are named '{}'", c.name), item.where, "give every case a name of its own");
     plan.cases.push_back(std::move(c));
   }
   return plan;

@@ -12,6 +12,7 @@ struct SlowMove {
   double speed_rad_per_s = 0.5;  ///< cut to the limits of the bench
   double tolerance_rad = 0.01;
   const std::atomic<bool>* stop = nullptr;  ///< ends the move when set
+  double fine_rad = 0.0;                    ///< > 0: within the tolerance it goes on for a second at most, to come as near as this
 };
 
 struct SlowMoveEnd {

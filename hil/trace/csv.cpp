@@ -9,6 +9,7 @@
 #include <map>
 #include <optional>
 
+#include "hil/base/output_path.h"
 #include "hil/base/plain_number.h"
 #include "hil/base/text.h"
 #include "hil/trace/clock_unit.h"
@@ -316,7 +317,8 @@ Result<void> write_csv(const Trace& trace, const std::filesystem::path& path) {
   }
   header += '\n';
 
-  const std::filesystem::path temporary = path.string() + ".part";
+  FORCEGATE_TRY(const std::filesystem::path target, output_path(path));
+  const std::filesystem::path temporary = target.string() + ".part";
   std::FILE* file = std::fopen(temporary.c_str(), "wb");
   const auto io_error = [&](const char* what) {
     const int code = errno;
@@ -357,7 +359,7 @@ Result<void> write_csv(const Trace& trace, const std::filesystem::path& path) {
   if (!good) return io_error("the file cannot be written");
   std::fclose(file);
   std::error_code failed;
-  std::filesystem::rename(temporary, path, failed);
+  std::filesystem::rename(temporary, target, failed);
   if (failed) return fail(ErrorCode::io, "the file cannot be renamed: " + failed.message(), path.string());
   return {};
 }

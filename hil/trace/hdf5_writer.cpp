@@ -8,6 +8,7 @@
 #include <cstring>
 #include <span>
 
+#include "hil/base/output_path.h"
 #include "hil/trace/hdf5_handle.h"
 #include "hil/trace/hdf5_io.h"
 #include "hil/trace/missing_count.h"
@@ -246,8 +247,8 @@ Result<Hdf5Writer> Hdf5Writer::create(const std::filesystem::path& path,
                                       const std::vector<ChannelSpec>& channels) {
   const Hdf5Lock lock;
   auto impl = std::make_unique<Impl>();
-  impl->path = path;
-  impl->temporary = path.string() + ".part";
+  FORCEGATE_TRY(impl->path, output_path(path));
+  impl->temporary = impl->path.string() + ".part";
   impl->bases = time_bases;
   impl->specs = channels;
   impl->gaps.resize(time_bases.size());

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "hil/base/output_path.h"
 #include "hil/base/some_of.h"
 #include "hil/base/text.h"
 #include "hil/trace/column_map.h"
@@ -192,7 +193,8 @@ thread_local bool inflate_failed = false;  // the library tells it in no other w
 }  // namespace
 
 Result<void> write_mat(const Trace& trace, const std::filesystem::path& path) {
-  const std::filesystem::path temporary = path.string() + ".part";
+  FORCEGATE_TRY(const std::filesystem::path target, output_path(path));
+  const std::filesystem::path temporary = target.string() + ".part";
   FilePointer file(
       Mat_CreateVer(temporary.c_str(), kHeader, MAT_FT_MAT5));
   const auto failed = [&] {
@@ -225,7 +227,7 @@ Result<void> write_mat(const Trace& trace, const std::filesystem::path& path) {
   ++variables;
   if (!good || Mat_Close(file.release()) != 0 || !holds(temporary, variables)) return failed();
   std::error_code code;
-  std::filesystem::rename(temporary, path, code);
+  std::filesystem::rename(temporary, target, code);
   if (code) return failed();
   return {};
 }

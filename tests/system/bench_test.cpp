@@ -266,6 +266,12 @@ TEST_F(Bench, KnownMassesFindAReferenceWhoseScaleIsWrong) {
   EXPECT_LT(document["u_rel"].get<double>(), 0.001);
 }
 
+TEST_F(Bench, AJogComesAsNearAsAMilliradian) {
+  const ProcessResult r = forcegate({"bench", "jog", "rigs/twin.toml", "--angle", "1", "--json"}, kHere);
+  ASSERT_EQ(r.exit_code, 0) << r.out << r.err;
+  EXPECT_NEAR(Json::parse(r.out, nullptr, false)["to_rad"].get<double>(), 1.0, 0.0015);
+}
+
 TEST_F(Bench, TheSpringIsFoundAgainstTheReferenceAndTheSensorBySweeps) {
   std::string text = read_text(FORCEGATE_SOURCE_DIR "/rigs/twin.toml");
   text.replace(text.find("spring_N_per_mm = 0.25"), 22, "spring_N_per_mm = 0.23");  // the plant has 0.25

@@ -113,6 +113,9 @@ TEST_F(GateEvidence, APartOfAPlanIsToldAsOneAndNoSpecimenCountsTwice) {
   EXPECT_THAT(result("whole")["notes"].dump(), Not(HasSubstr("of the plan are played")));
   EXPECT_EQ(gate(kGood, "part", {"--case", "slow", "--specimen", "q50"}).exit_code, 0);
   EXPECT_THAT(result("part")["notes"].dump(), HasSubstr("1 of 2 cases and 1 of 4 records of the plan are played: what else it asks for was not judged; specimens left out: q25"));
+  EXPECT_EQ(gate(kGood, "other", {"--case", "slow", "--specimen", "q75"}).exit_code, 0);
+  EXPECT_THAT(result("other")["notes"].dump(), HasSubstr("1 of 2 cases and 0 of 4 records of the plan are played: what else it asks for was not judged; records beside it: 1; specimens left out: q25, q50; "
+                                                         "specimens that the plan does not name: q75"));
   const ProcessResult twice = gate(kGood, "twice", {"--specimen", "q50", "--specimen", "q50"});
   EXPECT_EQ(twice.exit_code, 2) << twice.out;
   EXPECT_THAT(twice.err, HasSubstr("specimen 'q50' is named twice"));
@@ -259,6 +262,23 @@ TEST_F(GateEvidence, WhatAPlanCannotPassOrNeverJudgesIsToldBeforeItIsPlayed) {
   EXPECT_THAT(told("maxima_pct = 95\n", "maxima_pct = 95\ntail_s = 5000\n"), testing::Pair(0, HasSubstr("tail_s = 5000 s is no less than the record's 90 s")));
   EXPECT_THAT(told("maxima_pct = 95\n", "maxima_pct = 95\ntail_s = 0.5\n"), testing::Pair(0, HasSubstr("tail_s = 0.5 s holds fewer than two periods")));
   EXPECT_THAT(told("maxima_pct", "maxima_pct"), testing::Pair(0, Not(HasSubstr("note: "))));
+}
+
+TEST_F(GateEvidence, AGateThatAlwaysEndsUndecidedIsARemarkOfThePlan) {
+  const auto told = [&](const std::string& from, const std::string& to) {
+    write_text(plan, replaced(kPlan, from, to));
+    return run({"plan", plan}).out;
+  };
+  const std::string few = "extrema that stand out by ";
+  EXPECT_THAT(told("A_N = 1.05", "A_N = 0.02"), HasSubstr("case slow: its profile has 0 " + few + "0.05 N"));
+  EXPECT_THAT(told("A_N = 1.05", "A_N = 0"), HasSubstr("its profile has 0 " + few));
+  EXPECT_THAT(told("maxima_pct = 95\n", "maxima_pct = 95\nprominence_N = 3\n"), HasSubstr("its profile has 0 " + few + "3 N"));
+  EXPECT_THAT(told("f_Hz = 2,", "f_Hz = 0.015,"), HasSubstr("case slow: its profile has 2 " + few + "0.2625 N (prominence_N), an accuracy needs 4"));
+  EXPECT_THAT(told("f_Hz = 2,", "f_Hz = 40,"), HasSubstr("case slow: the wheel is commanded every 10 ms and does not follow 40 Hz, at most 25 Hz"));
+  EXPECT_THAT(told("\"accuracy\"", "\"hold\""), HasSubstr("case slow asks for 'hold', and its profile holds no force for more than 30 s"));
+  const std::string golden = told("\"accuracy\"", "\"golden\"");
+  EXPECT_THAT(golden, HasSubstr("[limits] names no folder of them (goldens = "));
+  EXPECT_THAT(golden, Not(HasSubstr("no folder ,")));
 }
 
 }  // namespace

@@ -90,6 +90,21 @@ TEST_F(GateRecording, InAnotherUnitThanItsHeaderSaysIsRefusedWithTheProbableOne)
   EXPECT_THAT(gf.err, HasSubstr("4 N if it is in gf"));
 }
 
+TEST_F(GateRecording, SaysThatTheUncertaintyOfTheAtiIsNotDeclaredAndHowToDeclareIt) {
+  const std::string file = sine("run.csv", "F_ref_N", 1.0), plan = folder / "mine.toml";
+  const auto said = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> line{"gate", kNative, "-o", folder / "run", "--record", file};
+    line.insert(line.end(), more.begin(), more.end());
+    const ProcessResult r = forcegate(line, kHere);
+    const Json notes = Json::parse(read_text(folder / "run/result.json"))["notes"];
+    EXPECT_EQ(r.out.find("uncertainty of the ATI's calibration counts as 0") != std::string::npos, notes.dump().find("calibration counts as 0") != std::string::npos);
+    return notes.dump();
+  };
+  EXPECT_THAT(said({}), HasSubstr("declare it: reference_rel in [uncertainty] of a plan (--plan)"));
+  write_text(plan, read_text(FORCEGATE_SOURCE_DIR "/ci/plans/replay.toml") + "\n[uncertainty]\nreference_rel = 0.005\n");
+  EXPECT_THAT(said({"--plan", plan}), Not(HasSubstr("counts as 0")));
+}
+
 TEST_F(GateRecording, ASpikeBeyondTheConvertersRangeIsCutOffAndSaid) {
   const std::string csv = sine("spike.csv", "F_ref_N", 1.0);
   std::string text = read_text(csv);

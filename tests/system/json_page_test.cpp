@@ -27,7 +27,7 @@ void expect_named(const std::string& section, const Json& value, const std::stri
   if (!value.is_object()) return;
   for (const auto& [key, item] : value.items()) {
     EXPECT_TRUE(names(section, key)) << where << "." << key;
-    if (key != "numbers" && key != "errors" && key != "before" && key != "after") expect_named(section, item, where + "." + key);
+    if (key != "numbers" && key != "errors" && key != "before" && key != "after" && key != "conditions") expect_named(section, item, where + "." + key);
   }
 }
 
@@ -72,6 +72,33 @@ TEST_F(JsonPage, NamesEveryKeyOfTheVerbs) {
   told("next", answer({"next", "film"}), 4);
   told("simulate", answer({"simulate", "film", "--model", "m.toml", "-o", "out"}), 3);
   told("convert", answer({"convert", "film/a.csv", "a.h5"}), 6);
+}
+
+TEST_F(JsonPage, NamesEveryKeyOfGateAndLeague) {
+  write_text(folder / "mine.toml", "format = 1\nname = \"mine\"\n[panel]\nspecimens = [\"q50\"]\n[calibration]\nlevel = \"static\"\n[safety]\nforce_max_N = 5.2\n[[case]]\nname = \"s\"\n"
+                                   "checks = [\"conformance\"]\nstimulus = { name = \"sine\", f_Hz = 0.5, A_N = 1, m_N = 2, duration_s = 60 }\n");
+  told("plan", answer({"plan", "mine.toml"}), 11);
+  for (const char* image : {"reference", "mutants/gain_pct@2"}) {
+    const std::string name = image == std::string("reference") ? "a" : "b";
+    forcegate({"gate", FORCEGATE_BINARY_DIR "/firmware/" + std::string(image) + ".native.so", "--plan", "mine.toml", "-o", name}, {.folder = folder.path()});
+  }
+  told("check", answer({"check", "a"}), 11);
+  told("diff", answer({"diff", "a", "b"}), 10);
+  told("record", answer({"record", "--plan", "mine.toml", "-o", "film"}), 5);
+  told("mystery", answer({"mystery", "--seed", "4", "hidden"}), 7);
+  told("mystery", answer({"mystery", "--list"}), 2);
+  const Json revealed = answer({"reveal", "hidden", "--effect", "creep"});
+  told("reveal", revealed, 4);
+  EXPECT_FALSE(revealed["truth"]["effects"].empty());
+  std::string table = "f_Hz,A_N,b\n";
+  for (int i = 1; i < 25; ++i) table += std::to_string(0.1 * i) + "," + std::to_string(0.5 + 0.07 * ((i * 7) % 11)) + "," + std::to_string(0.004 + 0.003 * 0.1 * i + 1e-5 * ((i * 5) % 7)) + "\n";
+  write_text(folder / "table.csv", table);
+  const Json law = answer({"laws", "table.csv", "--of", "b"});
+  told("laws", law, 2);
+  EXPECT_FALSE(law["parameters"][0]["missing"].empty());
+  told("stimulus", answer({"stimulus", "sine", "f_Hz=0.5", "A_N=1", "m_N=2"}), 14);
+  told("bench list and doctor", answer({"bench", "list"}), 2);
+  told("bench list and doctor", answer({"doctor"}), 3);
 }
 
 // At one frequency a delay and a lag are the same.

@@ -124,6 +124,20 @@ TEST_F(Record, SaysAllThatDiffersFromTheCampaignThatIsThere) {
   EXPECT_THAT(asked({}), HasSubstr("already: forcegate record did not make it\n"));
 }
 
+TEST_F(Record, TellsTheTrueRateOfItsRows) {
+  const std::vector<std::string> line{"record", "--plan", plan("40"), "--rate", "600", "-o", folder / "mine"};
+  const ProcessResult r = forcegate(line);
+  ASSERT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_THAT(r.out, HasSubstr("note: 500 rows a second instead of 600: "));
+  EXPECT_THAT(r.out, HasSubstr("--rate 1000, 500, 333.333, 250"));
+  const std::string campaign = read_text(folder / "mine/campaign.json");
+  EXPECT_THAT(campaign, HasSubstr("\"fs_Hz\": 500.0"));
+  EXPECT_THAT(campaign, HasSubstr("\"rate_Hz\": 500.0"));
+  std::vector<std::string> again = line;
+  again.push_back("--continue");
+  EXPECT_THAT(forcegate(again).err, HasSubstr("there is a campaign already, with 2 of the 2 records")) << "the same campaign";
+}
+
 TEST_F(Record, SaysWhatIsKeptAfterCtrlC) {
   const ProcessResult r = forcegate({"record", "--plan", plan("86000"), "--rate", "1", "-o", folder / "mine"}, {.signal_after = std::chrono::milliseconds(1000), .signal = SIGINT});
   EXPECT_EQ(r.exit_code, 130) << r.out << r.err;

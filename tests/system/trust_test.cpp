@@ -158,6 +158,7 @@ TEST_F(Trust, diff_shows_what_a_gain_error_does_with_uncertainty) {
       EXPECT_GT(c["u"].get<double>(), 0.0);
     }
   EXPECT_TRUE(seen) << r.out;
+  EXPECT_THAT(run({"diff", a, b}).out, testing::Not(testing::ContainsRegex("[0-9)] 1 \\("))) << "a number without a unit has none in text";
 }
 
 TEST_F(Trust, diff_refuses_a_result_that_was_edited) {

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 constexpr double kLookPeriod_s = 0.01;
-constexpr double kThere_rad = 0.01;
+constexpr double kThere_rad = 0.01, kNear_rad = 0.001;
 
 std::string line_of(const fs::path& path) {
   std::ifstream in(path);
@@ -223,7 +223,7 @@ Result<JogResult> jog_bench(const fs::path& file, const std::map<std::string, st
   FORCEGATE_TRY(const auto s, BenchSession::make(std::move(bench), options));
   FORCEGATE_CHECK_OK(s->open());
   // Every way out of here passes through BenchSession's destructor, which stops the motor.
-  FORCEGATE_TRY(const SlowMoveEnd end, move_slowly(*s, {angle_rad, speed_rad_per_s, kThere_rad, &stop}));
+  FORCEGATE_TRY(const SlowMoveEnd end, move_slowly(*s, {angle_rad, speed_rad_per_s, kThere_rad, &stop, kNear_rad}));
   return JogResult{end.from_rad, end.to_rad, end.force_N};
 }
 

@@ -159,8 +159,8 @@ Result<Calibrated> calibrate_reference(const CalibrateRequest& q, const Guide& g
   FORCEGATE_TRY(out.line, fit_calibration(std::move(points)));
   const CalibrationLine& line = *out.line;
   out.u_rel = std::hypot(line.u_slope / line.slope, q.mass_u_rel);
-  out.findings.push_back(fmt::format("the reference reads {:.4f}({:.4f}) N for 1 N; {:.4f} N without a load",
-                                     line.slope, line.slope * out.u_rel, line.intercept));
+  out.findings.push_back(fmt::format("the reference reads {} N for 1 N; {:.4f} N without a load",
+                                     with_uncertainty(line.slope, line.slope * out.u_rel), line.intercept));
   out.findings.push_back(
       fmt::format("deviation from the line: {:.4f} N standard, {:.4f} N at most", line.residual, line.worst));
   if (const double counts = s->reference().facts().counts_per_force; counts > 0.0) {

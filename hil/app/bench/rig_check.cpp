@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hil/app/files/find_plan.h"
+#include "hil/base/units.h"
 #include "hil/gate/statistics.h"
 
 namespace forcegate {
@@ -64,7 +65,7 @@ std::string selfcheck_text(const SelfcheckAnswer& a) {
       const std::string limit =
           check.limit.kind == Limit::Kind::none ? "no limit" : fmt::format("limit {:.4g}", check.limit.value);
       out += fmt::format("    {:<11} {:<26} {:>10.4g} {:<4} {:<16} {}\n", to_string(check.verdict), check.id,
-                         check.value, check.unit, limit, check.evidence);
+                         check.value, unit_in_text(check.unit), limit, check.evidence);
     }
   }
   if (a.charts.empty()) return out;
@@ -80,7 +81,7 @@ std::string selfcheck_text(const SelfcheckAnswer& a) {
                        !chart.enough      ? "too few"
                        : chart.in_control ? "in control"
                                           : "OUT",
-                       chart.quantity, chart.centre, units[chart.quantity], chart.enough ? fmt::format("{:.2g}", chart.s) : "-", sparkline(chart));
+                       chart.quantity, chart.centre, unit_in_text(units[chart.quantity]), chart.enough ? fmt::format("{:.2g}", chart.s) : "-", sparkline(chart));
   return out;
 }
 

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "hil/base/output_path.h"
+
 namespace forcegate {
 namespace {
 
@@ -21,6 +23,7 @@ std::string part_of(const std::filesystem::path& path) { return path.string() + 
 
 Result<void> make_folder(const std::filesystem::path& folder) {
   namespace fs = std::filesystem;
+  FORCEGATE_CHECK_OK(output_path(folder));
   std::error_code error;
   fs::create_directories(folder, error);
   if (!error) return {};
@@ -33,8 +36,9 @@ Result<void> make_folder(const std::filesystem::path& folder) {
   return fail(ErrorCode::io, "cannot make the folder: " + error.message(), folder.string(), "name a folder below one that you may write into; check its permissions and the free space");
 }
 
-Result<void> check_writable(const std::filesystem::path& path) {
+Result<void> check_writable(const std::filesystem::path& name) {
   namespace fs = std::filesystem;
+  FORCEGATE_TRY(const fs::path path, output_path(name));
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) {
     errno = EISDIR;
@@ -65,7 +69,8 @@ Result<void> check_writable(const std::filesystem::path& path) {
   return {};
 }
 
-Result<void> write_file_atomically(const std::filesystem::path& path, std::string_view bytes) {
+Result<void> write_file_atomically(const std::filesystem::path& name, std::string_view bytes) {
+  FORCEGATE_TRY(const std::filesystem::path path, output_path(name));
   std::error_code ignored;
   if (path.has_parent_path()) FORCEGATE_CHECK_OK(make_folder(path.parent_path()));
   // /dev/stdout, a pipe or a terminal cannot be renamed onto.

@@ -111,7 +111,8 @@ class BundleWriter {
   void list(const std::string& name) { names_.push_back(name); }
 
   // What every kind of run has.
-  Result<void> add_common(const BundleSource& source, const RunResult& head, const Json& run) {
+  Result<void> add_common(const BundleSource& source, const RunResult& head, Json run) {
+    if (source.plan == source.plan_as_asked) run["plan_file"] = source.plan_as_asked;
     FORCEGATE_CHECK_OK(copy("plan.toml", source.plan));
     if (!source.waivers.empty()) FORCEGATE_CHECK_OK(copy("waivers.toml", source.waivers));
     for (const GoldenRecord& golden : source.evidence.goldens)
@@ -286,6 +287,7 @@ Result<Bundle> read_bundle(const fs::path& folder) {
   }
   FORCEGATE_TRY(bundle.evidence.goldens, read_goldens(inner / "goldens"));
   bundle.evidence.today = run.value("today", "");
+  bundle.plan_file = run.value("plan_file", "");
   std::error_code ignored;
   if (fs::exists(inner / "waivers.toml", ignored)) {
     FORCEGATE_TRY(bundle.evidence.waivers, read_waivers(inner / "waivers.toml"));

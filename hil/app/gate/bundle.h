@@ -11,7 +11,8 @@
 //   bundle/goldens/*      the golden traces that were compared
 //   bundle/head.json      the result without what is judged (names, hashes, versions, notes)
 //   bundle/waivers.toml   when there were any
-//   bundle/run.json       calibration level, whether the run was interrupted, the day against which waivers expired
+//   bundle/run.json       calibration level, whether the run was interrupted, the day against which waivers expired, the plan's file as the
+//                         command named it
 //   bundle/records.jsonl  one line per record: {"job": ..., "record": ...}; kind capacitance-gate: frames and answers
 //   bundle/firmware       the image
 //   traces/*.h5           samples of the records that were kept
@@ -41,12 +42,14 @@ struct Bundle {
   std::vector<BundleFile> files;  ///< by name
   std::variant<RunMaterial, characterize::WeightMaterial> material;
   RunEvidence evidence;
+  std::string plan_file;  ///< as the command named it; "": it gave the name of a plan in ci/plans
 };
 
 /// Files beside the records.
 struct BundleSource {
   std::filesystem::path plan, firmware, limits, waivers;  ///< limits and waivers may be empty
   const RunEvidence& evidence;
+  std::string plan_as_asked;  ///< file or name
 };
 
 /// Writes bundle/ and bundle.json into the folder of a run, whose kept traces are already there. The list has the hash of the

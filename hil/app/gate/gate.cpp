@@ -30,7 +30,7 @@ class GateRun {
     FORCEGATE_TRY(evidence_, read_evidence(request_, setup_.plan.path, setup_.plan.limits.goldens));
     std::optional<RunFolder> folder;
     if (!request_.output.empty()) {
-      FORCEGATE_TRY(RunFolder opened, RunFolder::open(request_.output));
+      FORCEGATE_TRY(RunFolder opened, RunFolder::open(request_.output, read_while_it_runs()));
       folder.emplace(std::move(opened));
       keeps_all_ = request_.keep || plays_only_once(request_, setup_);
       if (plays_only_once(request_, setup_)) folder->keep_traces();
@@ -55,6 +55,13 @@ class GateRun {
   }
 
  private:
+  std::vector<std::filesystem::path> read_while_it_runs() const {
+    std::vector<std::filesystem::path> out{request_.firmware, setup_.plan.path, limits_path_, request_.waivers};
+    if (accepted_ && !accepted_->stored) out.push_back(accepted_->path);
+    if (const auto record = request_.rig_options.find("record"); record != request_.rig_options.end()) out.push_back(record->second);
+    return out;
+  }
+
   Result<void> read_derived_limits() {
     const Plan& plan = setup_.plan;
     if (!request_.limits_file.empty()) {
@@ -209,7 +216,7 @@ class GateRun {
     std::vector<GoldenMargins> margins;
     RunResult result = judged_run(material, evidence_, material.head.notes, &margins);
     if (!folder || material.cancelled) return result;
-    auto published = publish_run(*folder, {setup_.plan.path, request_.firmware, limits_path_, request_.waivers, evidence_}, material, margins, result);
+    auto published = publish_run(*folder, {setup_.plan.path, request_.firmware, limits_path_, request_.waivers, evidence_, request_.plan}, material, margins, result);
     if (!published) {
       published.error().hint += kept_of(*folder);
       return Unexpected(published.error());

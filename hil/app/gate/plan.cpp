@@ -4,15 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <set>
 
 #include "hil/app/files/find_plan.h"
+#include "hil/app/gate/plan_remarks.h"
 #include "hil/app/gate/weight_gate.h"
 #include "hil/base/plain_number.h"
 #include "hil/base/text.h"
 #include "hil/gate/case_result.h"
-#include "hil/gate/limits.h"
 #include "hil/interface/rig.h"
 #include "hil/interface/stimulus.h"
 
@@ -33,87 +32,6 @@ std::string hours(double s) {
   if (s < 120.0) return fmt::format("{:.3g} s", s);
   if (s < 7200.0) return fmt::format("{:.0f} min", s / 60.0);
   return fmt::format("{:.1f} h", s / 3600.0);
-}
-
-// " for its minima": of which kind of extremum nothing says how far off it may be; empty where nothing is said of either.
-std::optional<std::string> without_limit(const Plan& plan, const PlanCase& c, const StimulusFacts& facts, const DerivedLimits& limits) {
-  const auto derived = [&](const char* id) { return limits.find(c.name, id).kind != Limit::Kind::none; };
-  const bool relative = facts.mean_N - facts.amplitude_N >= plan.limits.minima_floor_N;
-  const bool maxima = c.maxima_pct || derived("mre_maxima");
-  const bool minima = relative ? c.minima_pct || derived("mre_minima") : derived("mae_minima");
-  if (maxima && minima) return std::nullopt;
-  return maxima ? fmt::format(" for its minima ({})", relative ? "mre_minima" : "mae_minima") : std::string(minima ? " for its maxima (mre_maxima)" : "");
-}
-
-double highest_Hz(const StimulusSpec& spec) {
-  double f_Hz = 0.0;
-  if (const auto one = spec.numbers.find("f_Hz"); one != spec.numbers.end()) f_Hz = one->second;
-  if (const auto many = spec.lists.find("f_Hz"); many != spec.lists.end())
-    for (const double f : many->second) f_Hz = std::max(f_Hz, f);
-  return f_Hz;
-}
-
-// Times that leave nothing to judge, or nothing out: milliseconds where seconds are meant, and the other way round.
-void remark_on_times(const Plan& plan, const PlanCase& c, const Stimulus& stimulus, std::vector<std::string>& out) {
-  const double f_Hz = highest_Hz(c.stimulus), length_s = stimulus.duration_s();
-  if (f_Hz > 0.0 && plan.limits.lag_s >= 0.5 / f_Hz)
-    out.push_back(fmt::format("case {}: the lag is never decided, half a period of {:.4g} s is no more than lag_s = {:.4g} s", c.name, 0.5 / f_Hz, plan.limits.lag_s));
-  if (c.tail_s <= 0.0 || !(c.checks & (kCheckAccuracy | kCheckPromise))) return;
-  if (c.tail_s >= length_s)
-    out.push_back(fmt::format("case {}: tail_s = {:.4g} s is no less than the record's {:.4g} s: nothing is left out of it", c.name, c.tail_s, length_s));
-  else if (f_Hz > 0.0 && c.tail_s * f_Hz < 2.0)
-    out.push_back(fmt::format("case {}: tail_s = {:.4g} s holds fewer than two periods, an accuracy needs two extrema of each kind", c.name, c.tail_s));
-}
-
-// What a gate of this plan would stumble over, on the emulated rig at least: no mistake of the file.
-Result<void> remark_on(const Plan& plan, PlanEstimate& e) {
-  std::vector<std::string>& out = e.remarks;
-  const auto refused = [&](std::string why) {
-    out.push_back(std::move(why));
-    e.refused = true;
-  };
-  FORCEGATE_TRY(const auto rig, make_rig("emulated", {}));
-  const double highest_N = rig->info().force_max_N;
-  DerivedLimits limits;
-  if (!plan.limits.derived.empty()) {
-    const std::filesystem::path path = plan.path.parent_path() / plan.limits.derived;
-    if (auto read = read_limits(path))
-      limits = std::move(*read);
-    else if (std::error_code ignored; std::filesystem::exists(path, ignored))
-      refused("limits file " + plan.limits.derived + ": " + read.error().text + " (forcegate limits)");
-    else
-      out.push_back("limits file " + plan.limits.derived + ": " + read.error().text + " (forcegate limits)");
-  }
-  const bool with_goldens = std::any_of(plan.cases.begin(), plan.cases.end(), [](const PlanCase& c) { return c.checks & kCheckGolden; });
-  if (std::error_code ignored; with_goldens && !std::filesystem::is_directory(plan.path.parent_path() / plan.limits.goldens, ignored))
-    out.push_back("golden traces: there is no folder " + (plan.path.parent_path() / plan.limits.goldens).lexically_normal().string() +
-                  ", and without a golden there is no decision (forcegate bless RUN makes them)");
-  std::set<std::string> specimens;
-  for (const PlanCase& c : plan.cases) {
-    specimens.insert(specimens_of(plan, c).begin(), specimens_of(plan, c).end());
-    const auto made = make_stimulus(c.stimulus);
-    if (made && (*made)->facts().maximum_N > highest_N)
-      out.push_back(fmt::format("case {} goes to {:.4g} N, the emulated rig to {:.4g} N", c.name, (*made)->facts().maximum_N, highest_N));
-    if (c.checks == 0 && plan.name != "campaign") refused("case " + c.name + " asks for no check: forcegate gate refuses it");
-    const bool dynamic = made && (*made)->facts().dynamic;
-    if (dynamic && c.checks & kCheckAccuracy)
-      if (const auto missing = without_limit(plan, c, (*made)->facts(), limits))
-        out.push_back("case " + c.name + " asks for an accuracy and has no limit" + *missing + ": maxima_pct, minima_pct and limit_source, or forcegate limits");
-    if (dynamic) remark_on_times(plan, c, **made, out);
-    if (dynamic && c.checks & kCheckPromise && (*made)->facts().mean_N - (*made)->facts().amplitude_N < plan.limits.minima_floor_N)
-      out.push_back(fmt::format("case {} has minima below {:g} N, which have no relative error: the check 'promise' is never decided", c.name, plan.limits.minima_floor_N));
-    if (dynamic && c.checks & (kCheckAccuracy | kCheckPromise) && (*made)->duration_s() <= (*made)->facts().excitation_start_s + plan.limits.learning_s)
-      out.push_back(fmt::format("case {} ends within the start window of {:.4g} s: no extremum of it is judged", c.name, plan.limits.learning_s));
-  }
-  if (specimens == std::set<std::string>{kRecorded}) specimens.clear();  // never played on a rig
-  for (const std::string& specimen : specimens) {
-    RigRecordRequest probe;
-    probe.specimen = specimen;
-    probe.duration_s = 1.0;
-    probe.force_high_N = 1.0;
-    if (auto begun = rig->begin(probe); !begun) refused(begun.error().text + (begun.error().hint.empty() ? "" : " (" + begun.error().hint + ")"));
-  }
-  return {};
 }
 
 }  // namespace

@@ -30,9 +30,14 @@ Result<void> select_panel(const GateRequest& request, Plan& plan) {
 
 // What the plan asks for beyond what is played: an acceptance of a part is none of the plan.
 std::string left_out_of(const Plan& whole, const Plan& played) {
-  std::size_t records = 0, of_records = 0;
-  for (const PlanCase& c : played.cases) records += specimens_of(played, c).size();
-  for (const PlanCase& c : whole.cases) of_records += specimens_of(whole, c).size();
+  const auto records_of = [](const Plan& plan) {
+    std::set<std::pair<std::string, std::string>> out;
+    for (const PlanCase& c : plan.cases)
+      for (const std::string& specimen : specimens_of(plan, c)) out.emplace(c.name, specimen);
+    return out;
+  };
+  const auto of_plan = records_of(whole), of_run = records_of(played);
+  const auto records = static_cast<std::size_t>(std::ranges::count_if(of_run, [&](const auto& one) { return of_plan.contains(one); }));
   std::vector<std::string> missing, other;
   const auto names = [](const Plan& plan) {
     std::set<std::string> out;
@@ -42,9 +47,10 @@ std::string left_out_of(const Plan& whole, const Plan& played) {
   const std::set<std::string> asked = names(whole), given = names(played);
   std::ranges::set_difference(asked, given, std::back_inserter(missing));
   std::ranges::set_difference(given, asked, std::back_inserter(other));
-  if (records == of_records && played.cases.size() == whole.cases.size() && missing.empty() && other.empty()) return {};
-  std::string out = fmt::format("{} of {} cases and {} of {} records of the plan are played: what else it asks for was not judged", played.cases.size(),
-                                whole.cases.size(), records, of_records);
+  if (of_run == of_plan) return {};
+  std::string out = fmt::format("{} of {} cases and {} of {} records of the plan are played", played.cases.size(), whole.cases.size(), records, of_plan.size());
+  if (records < of_plan.size()) out += ": what else it asks for was not judged";
+  if (of_run.size() > records) out += fmt::format("; records beside it: {}", of_run.size() - records);
   if (!missing.empty()) out += "; specimens left out: " + join(missing, ", ");
   if (!other.empty()) out += "; specimens that the plan does not name: " + join(other, ", ");
   return out;
@@ -165,6 +171,15 @@ Result<void> select_from_plan(const GateRequest& request, GateSetup& setup) {
   return select_lanes(request, setup);
 }
 
+// What the file of a bench or a recording does not tell counts as exact, and a decision near a limit then says more than is known.
+void note_unstated_reference(GateSetup& setup) {
+  const bool judged = std::ranges::any_of(setup.plan.cases, [](const PlanCase& c) { return (c.checks & (kCheckAccuracy | kCheckPromise)) != 0; });
+  if (!judged || setup.rig.reference_u_rel > 0.0 || setup.plan.uncertainty.reference_rel > 0.0) return;
+  setup.notes.push_back(std::string("the uncertainty of the ATI's calibration counts as 0: ") + (setup.rig.can_move ? "neither the bench's file nor the plan states it" : "a recording does not state it, nor does the plan") +
+                        "; declare it: reference_rel in [uncertainty] of a plan (--plan), relative, k = 1, for example 0.005" +
+                        (setup.rig.can_move ? ", or u_rel of the bench's reference" : ""));
+}
+
 // A wrong option is told before anything is played.
 Result<void> check_lane_options(const GateRequest& request, const std::string& name) {
   const LaneKind* lane = Registry<LaneKind>::instance().find(name);
@@ -245,6 +260,7 @@ Result<GateSetup> prepare_gate(GateRequest& request) {
     for (PlanCase& c : plan.cases) c.prelude_s = 0.0;
   if (!setup.rig.can_move) FORCEGATE_CHECK_OK(take_recording(request, plan));
   FORCEGATE_CHECK_OK(every_case_has_checks(plan));
+  note_unstated_reference(setup);
   setup.specimens = all_specimens(plan);
   FORCEGATE_CHECK_OK(check_faults_and_specimens(request, setup, *rig));
   return setup;

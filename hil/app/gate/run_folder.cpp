@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "hil/app/files/write_file.h"
+#include "hil/base/output_path.h"
 #include "hil/base/read_file.h"
 #include "hil/base/text.h"
 #include "hil/interface/reporter.h"
@@ -92,6 +93,24 @@ fs::path of_another_run(const fs::path& final_path) {
   return {};
 }
 
+bool lies_within(const fs::path& path, const fs::path& folder) {
+  std::error_code error;
+  const fs::path inner = fs::weakly_canonical(path, error), whole = fs::weakly_canonical(folder, error);
+  return !inner.empty() && std::mismatch(whole.begin(), whole.end(), inner.begin(), inner.end()).first == whole.end();
+}
+
+// Who stands in a folder that is replaced stands in none, and relative paths lead nowhere; what the run reads would be gone with it.
+Result<void> check_may_be_replaced(const fs::path& folder, const std::vector<fs::path>& inputs) {
+  std::error_code ignored;
+  if (lies_within(fs::current_path(ignored), folder))
+    return fail(ErrorCode::usage, "the output is the folder that the command is given in, or one above it", folder.string(),
+                "a result replaces its folder as a whole: give the name of another one, for example --output run");
+  for (const fs::path& input : inputs)
+    if (!input.empty() && lies_within(input, folder))
+      return fail(ErrorCode::usage, "the run reads a file of the folder that it replaces", input.string(), "give another folder with --output, or copy the file elsewhere first");
+  return {};
+}
+
 // Temporary folders whose process is gone. Those that hold traces stay under another name, which is returned.
 std::vector<fs::path> remove_leftovers(const fs::path& final_path) {
   const std::string prefix = final_path.filename().string() + kPart;
@@ -116,11 +135,13 @@ std::vector<fs::path> remove_leftovers(const fs::path& final_path) {
 
 }  // namespace
 
-Result<RunFolder> RunFolder::open(const fs::path& final_path) {
+Result<RunFolder> RunFolder::open(const fs::path& final_path, const std::vector<fs::path>& inputs) {
   RunFolder folder;
   std::error_code error;
-  folder.final_ = fs::absolute(final_path).lexically_normal();
+  FORCEGATE_TRY(const fs::path target, output_path(final_path));
+  folder.final_ = fs::absolute(target).lexically_normal();
   if (folder.final_.filename().empty()) folder.final_ = folder.final_.parent_path();
+  FORCEGATE_CHECK_OK(check_may_be_replaced(folder.final_, inputs));
   if (const fs::path other = of_another_run(folder.final_); !other.empty())
     return fail(ErrorCode::usage, "another run is writing there now", folder.final_.string(),
                 "give another folder with --output, or wait for it (it fills " + other.string() + ")");

@@ -14,8 +14,9 @@ class RunFolder {
  public:
   /// Puts an older run of that name aside at once, as NAME.older-PID (while this one lasts it must not be taken for it), and removes
   /// what killed runs left and nothing else, but traces: those stay under the name NAME.unfinished-PID. Refuses (usage) a folder that holds anything but a result
-  /// of ours, and one that another run is filling now: one of the two would be lost.
-  static Result<RunFolder> open(const std::filesystem::path& final_path);
+  /// of ours, one that another run is filling now (one of the two would be lost), one that the process stands in or that one of
+  /// `inputs` lies in, and a symbolic link that leads nowhere; another link is followed.
+  static Result<RunFolder> open(const std::filesystem::path& final_path, const std::vector<std::filesystem::path>& inputs = {});
   RunFolder(RunFolder&& other) noexcept;
   RunFolder& operator=(RunFolder&&) = delete;
   ~RunFolder();  ///< if it was not published: removes the temporary folder, but see keep_traces(), and gives the older run its name again

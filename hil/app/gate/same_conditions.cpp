@@ -11,9 +11,6 @@
 namespace forcegate {
 namespace {
 
-constexpr const char* kFaults = "faults";
-constexpr const char* kRigOptions = "rig options";
-
 // Of a bench its file says what it is; where a recording and its calibration lie is no condition.
 std::string options_in_words(const GateRequest& request) {
   static const std::set<std::string> kPlaces = {"record", "cal"};
@@ -40,7 +37,7 @@ void state_conditions(const GateRequest& request, RunResult& head) {
 
 std::string stated_condition(const RunResult& run, const std::string& what) {
   const auto at = run.environment.find(what);
-  return at == run.environment.end() ? "none" : at->second;
+  return at == run.environment.end() ? kNoCondition : at->second;
 }
 
 std::string calibration_difference(const Calibration& a, const Calibration& b) {

@@ -11,7 +11,9 @@ namespace forcegate {
 /// Faults and options of the rig into RunResult::environment, where there are any.
 void state_conditions(const GateRequest& request, RunResult& head);
 
-/// "faults" or "rig options" of a run; "none" where it states none.
+inline constexpr const char *kFaults = "faults", *kRigOptions = "rig options", *kNoCondition = "none";
+
+/// kFaults or kRigOptions of a run; "none" where it states none.
 std::string stated_condition(const RunResult& run, const std::string& what);
 
 /// Errors (usage): `stored`, read from `path`, is of another plan, seed or rig than `head`, of other faults or options of the rig, or of

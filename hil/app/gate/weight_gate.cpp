@@ -85,7 +85,7 @@ class WeightGateRun {
     FORCEGATE_TRY(evidence_, read_evidence(request_, m_.plan.path, m_.plan.goldens));
     std::optional<RunFolder> folder;
     if (!request_.output.empty()) {
-      FORCEGATE_TRY(RunFolder opened, RunFolder::open(request_.output));
+      FORCEGATE_TRY(RunFolder opened, RunFolder::open(request_.output, {request_.firmware, request_.accepted, m_.plan.path, m_.plan.study.path, request_.waivers}));
       folder.emplace(std::move(opened));
     }
     if (progress) progress(0.0, "training and frames");
@@ -100,7 +100,7 @@ class WeightGateRun {
     RunResult result = judged_run(m_, evidence_, m_.head.notes, &margins);
     if (folder && result.decision.exit_code != kInterrupted)
       FORCEGATE_CHECK_OK(publish_run(
-          *folder, {m_.plan.path, request_.firmware, {}, request_.waivers, evidence_}, m_, margins, result));
+          *folder, {m_.plan.path, request_.firmware, {}, request_.waivers, evidence_, request_.plan}, m_, margins, result));
     return result;
   }
 

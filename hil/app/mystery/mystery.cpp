@@ -6,6 +6,7 @@
 
 #include "hil/app/files/write_file.h"
 #include "hil/base/digest.h"
+#include "hil/base/output_path.h"
 #include "hil/base/read_file.h"
 #include "hil/base/rng.h"
 #include "rigs/emulated/hidden/campaign_maker.h"
@@ -103,6 +104,7 @@ Result<MysteryResult> make_mystery(const MysteryRequest& request,
   if (!request.pair.empty() && !request.effect.empty())
     return fail(ErrorCode::usage, "--pair and --effect exclude each other");
   std::error_code error;
+  FORCEGATE_CHECK_OK(output_path(request.folder));
   const std::filesystem::path list = request.folder / "campaign.json";
   if (!request.overwrite && std::filesystem::exists(list, error))
     return fail(ErrorCode::usage, "there is a campaign already", list.string(),

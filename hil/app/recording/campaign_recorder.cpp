@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "hil/app/files/write_file.h"
+#include "hil/base/output_path.h"
 #include "hil/base/some_of.h"
 #include "hil/gate/play_profile.h"
 #include "hil/trace/recording_files.h"
@@ -20,6 +21,8 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr double kBetweenRecords_s = 60.0;
+
+std::size_t samples_a_row(double rig_rate_Hz, double asked_Hz) { return static_cast<std::size_t>(std::max(1.0, std::round(rig_rate_Hz / asked_Hz))); }
 
 std::string kind_of(const StimulusSpec& spec, const StimulusFacts& facts) {
   if (spec.name == "chirp") return "sweep";
@@ -90,7 +93,8 @@ void describe_bench(Json& json, const RecordingBench& bench, const RigInfo& rig)
   json["recorded_with"] = {{"rig", rig.name + "/" + rig.version},
                            {"seed", bench.seed},
                            {"session", bench.session},
-                           {"rate_Hz", bench.rate_Hz}};
+                           {"rate_Hz", rate_of_rows(rig.rate_Hz, bench.rate_Hz)},
+                           {"rig_rate_Hz", rig.rate_Hz}};
   json["records"] = Json::array();
 }
 
@@ -102,7 +106,7 @@ Json describe_record(const std::string& file, const ProfileToRecord& p, const St
   for (const auto& [name, values] : p.stimulus.lists) numbers[name] = values;
   Json r = {{"file", file},
             {"kind", kind_of(p.stimulus, f)},
-            {"fs_Hz", bench.rate_Hz},
+            {"fs_Hz", rate_of_rows(rig.rate_Hz, bench.rate_Hz)},
             {"duration_s", stimulus.duration_s()},
             {"start_s", start_s},
             {"rest_before_s", p.rest_before_s},
@@ -169,6 +173,8 @@ JournalHeader header_of(const std::string& name, const RecordingBench& bench, co
 
 }  // namespace
 
+double rate_of_rows(double rig_rate_Hz, double asked_Hz) { return rig_rate_Hz / static_cast<double>(samples_a_row(rig_rate_Hz, asked_Hz)); }
+
 std::string file_of_record(std::size_t number, const std::string& name) { return fmt::format("r{:02d}_{}.csv", number, name); }
 
 Result<std::vector<RecordedFile>> record_profiles(const RecordingBench& bench,
@@ -187,6 +193,7 @@ Result<std::vector<RecordedFile>> record_profiles(const RecordingBench& bench,
     total_s += stimulus->duration_s();
     made.push_back(std::move(stimulus));
   }
+  FORCEGATE_CHECK_OK(output_path(folder));
   FORCEGATE_CHECK_OK(check_nothing_is_hidden(folder));
   std::error_code error;
   RemovedWhenEmpty made_folder;
@@ -198,7 +205,7 @@ Result<std::vector<RecordedFile>> record_profiles(const RecordingBench& bench,
   double campaign_s = 0.0;
   for (const Json& r : json["records"])
     campaign_s = std::max(campaign_s, r.value("start_s", 0.0) + r.value("duration_s", 0.0));
-  const auto per_row = static_cast<std::size_t>(std::max(1.0, std::round(info.rate_Hz / bench.rate_Hz)));
+  const std::size_t per_row = samples_a_row(info.rate_Hz, bench.rate_Hz);
   const double volts = info.v_range_V / static_cast<double>((1u << info.adc_bits) - 1u);
 
   std::vector<RecordedFile> out;
@@ -253,7 +260,7 @@ Result<std::vector<RecordedFile>> record_profiles(const RecordingBench& bench,
       fs::remove(folder / file, error);  // no record of the campaign; what instruments said is in the HDF5 file
       return Unexpected(listed.error());
     }
-    out.push_back({p.name, file, made[k]->duration_s(), rows.rows()});
+    out.push_back({p.name, file, made[k]->duration_s(), rows.rows(), rate_of_rows(info.rate_Hz, bench.rate_Hz), info.rate_Hz});
   }
   return out;
 }

@@ -28,7 +28,7 @@ struct RecordingBench {
   std::map<std::string, std::string> rig_options;
   std::string specimen = "q50";
   std::uint64_t seed = 1, session = 1;
-  double rate_Hz = 200.0;  ///< of the files; samples are averaged down to it
+  double rate_Hz = 200.0;  ///< of the files, as asked: see rate_of_rows()
   SafetyLimits safety;
 };
 
@@ -36,7 +36,11 @@ struct RecordedFile {
   std::string name, file;
   double duration_s = 0.0;
   std::uint64_t rows = 0;
+  double rate_Hz = 0.0, rig_rate_Hz = 0.0;  ///< of the rows, and of the samples that they are means of
 };
+
+/// A row is the mean of a whole number of the rig's samples: the rate of rows that is nearest to the asked one, in samples a row.
+double rate_of_rows(double rig_rate_Hz, double asked_Hz);
 
 /// "r03_hold.csv"
 std::string file_of_record(std::size_t number, const std::string& name);

@@ -54,9 +54,11 @@ Recorded recorded_of(const fs::path& list, const std::vector<ProfileToRecord>& p
   const std::string rig = plain(with.value("rig", Json())), rig_name = rig.substr(0, rig.find('/'));
   if (rig_name != bench.rig) out.differs.push_back(there_and_asked("rig", rig_name, printable_utf8(bench.rig)));
   if (const std::string there = specimen_of(json); there != bench.specimen) out.differs.push_back(there_and_asked("specimen", there, printable_utf8(bench.specimen)));
+  const Json samples = with.value("rig_rate_Hz", Json());
+  const double rate_asked = samples.is_number() && samples.get<double>() > 0.0 ? rate_of_rows(samples.get<double>(), bench.rate_Hz) : bench.rate_Hz;
   for (const auto& [name, what, unit, asked] : {std::tuple<const char*, const char*, const char*, Json>{"seed", "seed", "", bench.seed},
                                                 {"session", "session", "", bench.session},
-                                                {"rate_Hz", "rate", " Hz", bench.rate_Hz}})
+                                                {"rate_Hz", "rate", " Hz", rate_asked}})
     if (const Json there = with.value(name, Json()); there != asked) out.differs.push_back(there_and_asked(what, plain(there) + unit, plain(asked) + unit));
   const Json& records = json["records"];
   if (records.empty() || records.size() > profiles.size()) out.differs.push_back(there_and_asked("records", std::to_string(records.size()), std::to_string(profiles.size())));
@@ -144,15 +146,20 @@ Result<RecordResult> record(const RecordRequest& request, const RecordingProgres
   }
   out.files = std::move(*files);
   for (const RecordedFile& f : out.files) out.rig_minutes += f.duration_s / 60.0;
+  if (!out.files.empty() && out.files.front().rate_Hz != request.bench.rate_Hz) {
+    const double rig_Hz = out.files.front().rig_rate_Hz;
+    out.notes.push_back(fmt::format("{} rows a second instead of {}: a row is the mean of a whole number of the rig's samples, of which there are {} a second (--rate {}, {:.6g}, {:.6g}, {:.6g} ...)",
+                                    fmt::format("{:.6g}", out.files.front().rate_Hz), shortest(request.bench.rate_Hz), shortest(rig_Hz), shortest(rig_Hz), rig_Hz / 2, rig_Hz / 3, rig_Hz / 4));
+  }
   return out;
 }
 
 std::string record_json(const RecordResult& r) {
   nlohmann::ordered_json files = nlohmann::ordered_json::array();
   for (const RecordedFile& f : r.files)
-    files.push_back({{"name", f.name}, {"file", f.file}, {"duration_s", f.duration_s}, {"rows", f.rows}});
+    files.push_back({{"name", f.name}, {"file", f.file}, {"duration_s", f.duration_s}, {"rows", f.rows}, {"fs_Hz", f.rate_Hz}});
   const nlohmann::ordered_json out = {
-      {"format", 1}, {"folder", r.folder.string()}, {"rig_minutes", r.rig_minutes}, {"records", files}};
+      {"format", 1}, {"folder", r.folder.string()}, {"rig_minutes", r.rig_minutes}, {"records", files}, {"notes", r.notes}};
   return out.dump(2) + "\n";
 }
 

@@ -18,6 +18,7 @@ struct RecordResult {
   std::vector<RecordedFile> files;
   std::size_t were_there = 0;  ///< records of the campaign that go_on found
   double rig_minutes = 0.0;  ///< rests not counted
+  std::vector<std::string> notes;  ///< rows at another rate than asked
 };
 
 /// Refuses a folder that holds a campaign already, but see RecordRequest::go_on. An error tells what is kept and how to go on.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "hil/base/output_path.h"
 #include "hil/base/text.h"
 #include "hil/trace/column_map.h"
 #include "hil/trace/convert.h"
@@ -60,6 +61,7 @@ Result<SplitReport> split(const SplitRequest& request) {
     const Trace* const only[] = {&w.file.trace};
     FORCEGATE_CHECK_OK(check_column_map(request.column_map, w.file.mapped, only, request.from));
   }
+  FORCEGATE_CHECK_OK(output_path(request.folder));
   std::filesystem::create_directories(request.folder, failed);
   if (failed) return fail(ErrorCode::io, "the folder cannot be created: " + failed.message(), request.folder.string(), "choose a place you may write to");
 

@@ -10,6 +10,8 @@
 #include "hil/app/files/find_plan.h"
 #include "hil/app/files/write_file.h"
 #include "hil/app/gate/bundle.h"
+#include "hil/app/gate/same_conditions.h"
+#include "hil/app/gate/weight_gate.h"
 #include "hil/base/read_file.h"
 #include "hil/base/text.h"
 
@@ -130,6 +132,12 @@ GoldenRecord golden_of(const BlessedRun& run, const Bundle& bundle, const Golden
   return g;
 }
 
+// A golden of another rig than the plan's own says so where it is reviewed.
+std::string with_options(const RunResult& head) {
+  const std::string options = stated_condition(head, kRigOptions);
+  return options == kNoCondition ? "" : " (" + cell(options) + ")";
+}
+
 Result<void> append_line(const fs::path& path, const std::string& line) {
   std::string text = kHeading;
   std::error_code ignored;
@@ -137,6 +145,36 @@ Result<void> append_line(const fs::path& path, const std::string& line) {
     FORCEGATE_TRY(text, read_file(path));
   }
   return write_file_atomically(path, text + line);
+}
+
+Result<std::string> name_of_plan(const fs::path& path) {
+  FORCEGATE_TRY(const bool weights, is_weight_plan(path.string()));
+  if (weights) {
+    FORCEGATE_TRY(const characterize::WeightGatePlan plan, characterize::read_weight_gate_plan(path));
+    return plan.name;
+  }
+  FORCEGATE_TRY(const Plan plan, read_plan(path));
+  return plan.name;
+}
+
+// Goldens are as seen from the plan's file: the one that is given, that the gate was given, or that of its name in ci/plans.
+Result<fs::path> folder_beside_plan(const BlessRequest& request, const Bundle& bundle, const BlessedRun& run) {
+  const std::string& name = run.head->plan_name;
+  std::error_code ignored;
+  const bool known = request.plan.empty() && !bundle.plan_file.empty();
+  if (known && !fs::is_regular_file(bundle.plan_file, ignored))
+    return fail(ErrorCode::usage, "the plan's file, beside which its goldens are, is not there", bundle.plan_file,
+                "run it in the folder where the gate ran, give the file with --plan, or the folder of the goldens with --goldens");
+  const std::string asked = known ? bundle.plan_file : request.plan.empty() ? name : request.plan;
+  const auto path = find_plan(asked);
+  if (!path)
+    return fail(ErrorCode::usage, path.error().text + ", beside which its goldens are", path.error().where,
+                "give the plan's file: --plan FILE, or the folder of the goldens: --goldens FOLDER");
+  FORCEGATE_TRY(const std::string of_file, name_of_plan(*path));
+  if (of_file != name)
+    return fail(ErrorCode::usage, "the run is of the plan '" + printable_utf8(name) + "', not of '" + printable_utf8(of_file) + "'", path->string(),
+                "give the file of its plan: --plan FILE, or the folder of the goldens: --goldens FOLDER");
+  return path->parent_path() / run.goldens;
 }
 
 Result<BlessAnswer> bless_run(const BlessRequest& request) {
@@ -148,6 +186,8 @@ Result<BlessAnswer> bless_run(const BlessRequest& request) {
                 fmt::format("this run is {} apart from its goldens: {}", to_string(run.without_goldens.kind),
                             run.without_goldens.reason),
                 {}, "bless a run that is accepted");
+  if (const std::string faults = stated_condition(head, kFaults); faults != kNoCondition)
+    return fail(ErrorCode::usage, "this run was played with injected faults: " + faults, request.source.string(), "bless a run without --fault");
   fs::path folder = request.goldens;
   if (folder.empty()) {
     if (run.goldens.empty())
@@ -155,12 +195,8 @@ Result<BlessAnswer> bless_run(const BlessRequest& request) {
           ErrorCode::usage, "the plan of this run names no goldens", head.plan_name,
           "add goldens = \"...\" to its [limits] (and \"golden\" to the checks of a case), or give --goldens FOLDER");
     folder = run.goldens;
-    if (!folder.is_absolute()) {  // as seen from the plan's file
-      const auto plan = find_plan(head.plan_name);
-      if (!plan)
-        return fail(ErrorCode::usage, plan.error().text + ", beside which its goldens are", plan.error().where,
-                    "give the folder of the goldens: --goldens FOLDER");
-      folder = plan->parent_path() / folder;
+    if (!folder.is_absolute()) {
+      FORCEGATE_TRY(folder, folder_beside_plan(request, bundle, run));
     }
     folder = folder.lexically_normal();
   }
@@ -191,7 +227,7 @@ Result<BlessAnswer> bless_run(const BlessRequest& request) {
   answer.line =
       fmt::format("| {} | {} | {} | {} | {} | {} | {} | bundle {} | {} |\n", head.started_at.substr(0, 10),
                   head.plan_name, cell(request.who), cell(request.reason), head.firmware_sha256.substr(0, 16),
-                  run.rig, run.level, bundle.id.substr(0, 16), list);
+                  run.rig + with_options(head), run.level, bundle.id.substr(0, 16), list);
   if (request.dry_run || files.empty()) return answer;
   for (const auto& [path, text] : files) FORCEGATE_CHECK_OK(write_file_atomically(path, text));
   FORCEGATE_CHECK_OK(append_line(answer.governance, answer.line));

@@ -14,7 +14,7 @@ struct BlessRequest {
   std::filesystem::path source;   ///< folder of a run, or a limits file made by forcegate limits
   std::string who, reason;        ///< neither may be empty
   std::filesystem::path goldens;  ///< folder of the goldens; empty = the one that the run's plan names
-  std::string plan;               ///< of the limits: name or file; empty = the one that they name
+  std::string plan;               ///< name or file; empty = the one that the limits name, or that the run was gated with
   bool dry_run = false;
 };
 
@@ -32,8 +32,8 @@ struct BlessAnswer {
   bool written = false;
 };
 
-/// A run is blessed only when everything but its goldens passed. Errors: usage (no reason, nobody's name, a run that was
-/// not accepted, a plan without goldens), those of the bundle.
+/// A run is blessed only when everything but its goldens passed, on a rig without injected faults. Errors: usage (no reason, nobody's name,
+/// a run that was not accepted, a plan without goldens), those of the bundle.
 Result<BlessAnswer> bless(const BlessRequest& request);
 
 std::string bless_text(const BlessAnswer& answer);

@@ -146,7 +146,7 @@ Result<void> take_plan(const fs::path& path, const CheckRequest& request, RunMat
                                  [&](const PlanCase& o) { return o.name == c.name; });
     if (at == other.cases.end())
       return fail(ErrorCode::usage, "the plan has no case '" + c.name + "', which the run has",
-                  path.string());
+                  path.string(), "give a plan that has the run's cases, with other limits or another rule");
     if (m.head.rig.can_move && (c.loop != at->loop || stimulus_in_words(c.stimulus) != stimulus_in_words(at->stimulus)))
       return fail(ErrorCode::usage, fmt::format("the case '{}' of the plan is another profile than the run played: {} {}, not {} {}", c.name, to_string(at->loop),
                                                 stimulus_in_words(at->stimulus), to_string(c.loop), stimulus_in_words(c.stimulus)),

@@ -176,9 +176,9 @@ std::string diff_text(const RunDiff& d) {
                      d.checks.empty() ? "" : d.checks.size() > 20 ? ", the first 20:" : ":");
   for (std::size_t i = 0; i < std::min<std::size_t>(20, d.checks.size()); ++i) {
     const CheckDelta& c = d.checks[i];
-    out += fmt::format("  {:<32}{:<20}{:>11} -> {:<11} {} {} ({}){}\n", c.case_id.empty() ? "run" : c.case_id,
+    out += fmt::format("  {:<32}{:<20}{:>11} -> {:<11} {}{} ({}){}\n", c.case_id.empty() ? "run" : c.case_id,
                        c.check_id, number(c.a), number(c.b),
-                       std::isfinite(c.delta) ? with_uncertainty(c.delta, c.u) : "-", c.unit,
+                       std::isfinite(c.delta) ? with_uncertainty(c.delta, c.u) : "-", c.unit == "1" ? std::string() : " " + c.unit,
                        c.limited || c.verdict_b != Verdict::pass ? to_string(c.verdict_b) : "no limit",
                        c.verdict_a == c.verdict_b ? "" : fmt::format(", was {}", to_string(c.verdict_a)));
   }

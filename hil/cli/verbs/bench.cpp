@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "hil/base/text.h"
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
 #include "hil/cli/verbs/action_options.h"
@@ -131,8 +133,9 @@ Result<int> jog(const Invocation& in) {
   FORCEGATE_TRY(const double angle, in.number("angle", -6.3, 6.3));
   FORCEGATE_TRY(const double speed, in.number("speed", 0.01, 5.0));
   FORCEGATE_TRY(const JogResult r, jog_bench(file, options_of(in), angle, speed, in.interrupt_flag()));
-  in.console().print(fmt::format("from {:.3f} to {:.3f} rad; the reference reads {:.3f} N", r.from_rad,
-                                 r.to_rad, r.force_N));
+  const double off_rad = r.to_rad - angle;
+  const std::string short_of = std::fabs(off_rad) < 0.0015 ? "" : fmt::format(" ({:+.0f} mrad from {} rad)", 1000.0 * off_rad, shortest(angle));
+  in.console().print(fmt::format("from {:.3f} to {:.3f} rad{}; the reference reads {:.3f} N", r.from_rad, r.to_rad, short_of, r.force_N));
   in.console().print_json(
       Json({{"format", 1}, {"from_rad", r.from_rad}, {"to_rad", r.to_rad}, {"force_N", r.force_N}}).dump(2));
   in.console().next(line_that_parks(in, file).value_or("forcegate bench doctor " + bench_words(in, file)));

@@ -7,6 +7,7 @@
 
 #include "hil/app/characterize/weight_study.h"
 #include "hil/base/plain_number.h"
+#include "hil/base/units.h"
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
 #include "hil/cli/verbs/force_row.h"
@@ -38,7 +39,7 @@ void print_study(const Console& console, const characterize::SensorStudy& study,
   out += console.paint(Paint::strong, study.sensor) + fmt::format(": {}, {}\n", sheets, bench_time(study.rig_time_s));
   for (const auto& s : study.spreads)
     if (s.n > 0)
-      out += fmt::format("  {:<66} {:>10} {:<6} sd {:>8}\n", s.title, short_number(s.mean), s.unit,
+      out += fmt::format("  {:<66} {:>10} {:<6} sd {:>8}\n", s.title, short_number(s.mean), unit_in_text(s.unit),
                          short_number(s.specimens > 1 ? s.sd_specimens : s.sd_sessions, 2));
   for (const auto& sheet : study.sheets)
     for (const std::string& note : sheet.notes)

@@ -108,7 +108,7 @@ const Registration<Command> kRow{Command{
     .options = joined(
         {{{.name = "plan",
            .value_name = "PLAN",
-           .doc = "Plan file, or the name of one in ci/plans.",
+           .doc = "Plan file, or the name of one in ci/plans; with --lane tick it is `tick`, with --record `replay`, where none is given.",
            .fallback = "smoke",
            .names = Names::input},
           {.name = "lane",

@@ -30,6 +30,7 @@ Result<int> run(const Invocation& in) {
   for (const RecordedFile& f : made->files)
     text += fmt::format("  {:<32} {:>6.0f} s {:>8} rows\n", f.file, f.duration_s, f.rows);
   in.console().print(text);
+  in.console().notes(made->notes);
   in.console().print_json(record_json(*made));
   in.console().next("forcegate diagnose " + shell_quoted(made->folder.string()));
   return kExitSuccess;
@@ -59,7 +60,7 @@ const Registration<Command> kRow{Command{
            .doc = "Which sensor lies on the bench.",
            .fallback = "q50"},
           {.name = "seed", .value_name = "N", .doc = "Seed of the emulated rig.", .fallback = "1"},
-          {.name = "rate", .value_name = "HZ", .doc = "Rows a second in the files.", .fallback = "200"},
+          {.name = "rate", .value_name = "HZ", .doc = "Rows a second in the files; the nearest that whole samples of the rig give.", .fallback = "200"},
           {.name = "continue", .value_name = "", .doc = "Record what is missing of a campaign that this command began and did not end."},
           {.name = "output",
            .value_name = "FOLDER",

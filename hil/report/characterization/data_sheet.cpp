@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "hil/base/plain_number.h"
+#include "hil/base/units.h"
 #include "hil/report/characterization/paper_tables.h"
 #include "hil/report/figures/text.h"
 #include "hil/report/html_page.h"
@@ -36,7 +37,7 @@ std::string section_table(const SensorStudy& study, const Section& section) {
   std::string rows;
   for (const Spread& s : study.spreads) {
     if (!s.key.starts_with(section.prefix)) continue;
-    rows += "<tr><th scope=\"row\">" + escape(s.title) + "</th><td>" + escape(s.unit) + "</td>" +
+    rows += "<tr><th scope=\"row\">" + escape(s.title) + "</th><td>" + escape(std::string(unit_in_text(s.unit))) + "</td>" +
             number(s.mean) + number(s.sd_specimens) + (study.of_recordings ? "" : number(s.sd_sessions)) + number(s.q05) +
             number(s.median) + number(s.q95) + fmt::format("<td class=\"n\">{}</td></tr>\n", s.n);
   }

@@ -28,11 +28,12 @@ class ChangeWatch {
     bool moved = false;
   };
   enum class Witness { wheel_rad, force_N, code };
-  bool moves(Witness witness, float from, float to) const;
-  void examine(Still& still, Witness witness, float now, double& longest_s) const;
+  bool moves(Witness witness, float from, float to, double enough_N) const;
+  void examine(Still& still, Witness witness, float now, double enough_N, double& longest_s) const;
 
   RigGeometry geometry_;
   double period_s_ = 1e-3;
+  double sensor_moved_N_ = 0.1;  ///< what a living channel cannot sleep through: some steps of its converter
   std::uint16_t last_code_ = 0xFFFF;
   float previous_force_N_ = std::numeric_limits<float>::quiet_NaN();
   std::uint16_t previous_code_ = 0, clip_code_ = 0;

@@ -56,6 +56,16 @@ TEST(Plan, names_the_stimulus_parameter_that_is_wrong) {
   EXPECT_NE(error_of(with("\"sine\"", "\"sin\"")).hint.find("sine"), std::string::npos);
 }
 
+TEST(Plan, says_how_to_mend_what_it_refuses) {
+  std::string many = "specimens = [";
+  for (int i = 0; i < 1001; ++i) many += "\"s" + std::to_string(i) + "\",";
+  for (const auto& [text, hint] : {std::pair{with("\"small\"", "\"sm/all\""), "letters, digits"}, {with("[\"q50\"]", "[]"), "specimens = [\"q50\"]"},
+                                   {with("specimens = [\"q50\"", many), "the panel"}, {with("f_Hz = 0.5", "f_Hz = true"), "a number"},
+                                   {with("[calibration]", "[calibration]\nsweep_s = \"60\""), "leave the quotes out: sweep_s = 60"},
+                                   {with("name = \"sine\"", "name = 1"), "name = \"sine\""}, {with("level = \"static\"", "level = 1"), "write level = \"...\""}})
+    EXPECT_NE(error_of(text).hint.find(hint), std::string::npos) << hint << "\n" << error_of(text).to_text();
+}
+
 TEST(Plan, refuses_two_cases_of_one_name) {
   EXPECT_NE(error_of(kGood + kGood.substr(kGood.find("[[case]]"))).text.find("two cases"), std::string::npos);
 }

@@ -90,6 +90,17 @@ TEST(Waivers, an_expired_one_fails_although_everything_passed) {
   EXPECT_EQ(d.blame, Blame::user);
 }
 
+TEST(Waivers, an_expired_one_does_not_hide_what_the_build_fails_in) {
+  WaivedRun run = one_failure();
+  std::vector<std::string> notes;
+  apply_waivers({waiver("mre_minima")}, "2027-03-01", run, notes);
+  const Decision d = decision_of(run);
+  EXPECT_EQ(d.kind, DecisionKind::reject);
+  EXPECT_EQ(d.blame, Blame::firmware);
+  EXPECT_EQ(d.reason.rfind("Minima 9 % > 7.5 %", 0), 0u) << d.reason;
+  EXPECT_NE(d.reason.find("; besides, Waivers that are past their day: expired on 2026-12-31"), std::string::npos) << d.reason;
+}
+
 TEST(Waivers, quarantine_of_a_case_is_a_waiver_for_all_its_checks_but_never_for_the_rig) {
   WaivedRun run = one_failure();
   run.of_record()[0].check.verdict = Verdict::rig_error;

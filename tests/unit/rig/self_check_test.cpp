@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "hil/base/rng.h"
@@ -161,6 +162,20 @@ TEST(SelfCheck, blames_the_sensor_that_came_unplugged) {
   ASSERT_NE(first_unsound(checks), nullptr);
   EXPECT_EQ(first_unsound(checks)->id, "rig_sensor");
   EXPECT_EQ(first_unsound(checks)->blame, Blame::sensor);
+}
+
+// A film that has lost most of its gain, on 8 bits: more than the ATI's witness needs passes within one step of the converter.
+TEST(SelfCheck, a_coarse_converter_that_stays_on_one_code_for_a_step_is_alive_and_a_dead_one_is_not) {
+  for (const bool dead : {false, true}) {
+    testing::FakeRig rig;
+    rig.gain_N_per_V = 3.0;
+    rig.change_info().adc_bits = 8;
+    rig.spoil = [dead](std::size_t row, double t_s, RigBlock& b) { b.adc[row] = dead && t_s > 15.0 ? 20 : static_cast<std::uint16_t>(b.adc[row] / 257); };
+    const auto checks = checks_of(rig);
+    const auto at = std::find_if(checks.begin(), checks.end(), [](const Check& c) { return c.id == "rig_sensor"; });
+    ASSERT_NE(at, checks.end());
+    EXPECT_EQ(at->verdict, dead ? Verdict::rig_error : Verdict::pass) << at->evidence;
+  }
 }
 
 TEST(SelfCheck, sees_lost_samples_and_gaps_of_time) {
