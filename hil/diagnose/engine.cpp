@@ -230,7 +230,7 @@ Repeatability repeatability_of(const Workspace& w, const MixedFit& fit) {
   const auto sd = [&](int k) { return std::sqrt(fit.variance[k]); };
   double wander = 0.0, n = 0.0;
   for (std::size_t k = 0; k < fit.zeta.size(); ++k) {
-    const double of_record = wander_of(w.output, fit, k);
+    const double of_record = wander_on_rows(w.output, fit, k);
     wander += of_record * of_record;
     n += of_record > 0.0 ? 1.0 : 0.0;
   }

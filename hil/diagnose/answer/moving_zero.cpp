@@ -19,12 +19,12 @@ namespace {
 constexpr double kListed = 0.4;
 
 // Of the records of more than a minute, three and more.
-template <double (*OfRecord)(const ResidualChannel&, const MixedFit&, std::size_t)>
-std::optional<double> typical(const ResidualChannel& channel, const MixedFit& fit) {
+template <double (*OfRecord)(const MixedFit&, std::size_t)>
+std::optional<double> typical(const MixedFit& fit) {
   constexpr std::size_t kFewest = 3;
   std::vector<double> out;
   for (std::size_t k = 0; k < fit.zeta.size(); ++k)
-    if (wander_of(channel, fit, k) > 0.0) out.push_back(OfRecord(channel, fit, k));
+    if (wander_of(fit, k) > 0.0) out.push_back(OfRecord(fit, k));
   return out.size() < kFewest ? std::nullopt : std::optional(quantile(std::move(out), 0.5));
 }
 
@@ -57,7 +57,7 @@ std::optional<Finding> listed_moving_zero(const Workspace& w, const Selection& s
 }
 
 void leave_creep_to_moving_zero(const Workspace& w, const MixedFit& fit, std::vector<Finding>& findings) {
-  const std::optional<double> wander = w.input.single ? std::nullopt : typical<wander_of>(w.output, fit);
+  const std::optional<double> wander = w.input.single ? std::nullopt : typical<wander_of>(fit);
   if (!wander) return;
   for (Finding& f : findings)
     if (f.effect == "creep" && f.of_output() && f.claimed() && f.effect_rms < *wander * w.output.scale)
@@ -67,9 +67,9 @@ void leave_creep_to_moving_zero(const Workspace& w, const MixedFit& fit, std::ve
 std::optional<MovingZero> moving_zero_of_records(const Workspace& w, const MixedFit& fit) {
   constexpr double kOrdinary = 2e-3, kFar = 4e-3;  // of the span, RMS
   const EffectKind* drift = EffectRegistry::instance().find("reference_drift");
-  const std::optional<double> wander = w.input.single ? std::nullopt : typical<wander_of>(w.output, fit);
+  const std::optional<double> wander = w.input.single ? std::nullopt : typical<wander_of>(fit);
   if (drift == nullptr || !(wander.value_or(0.0) > kOrdinary)) return std::nullopt;
-  const std::string size = fmt::format("{:.3g} m{}", 1e3 * w.output.scale * *typical<wander_range_of>(w.output, fit), w.output.unit);
+  const std::string size = fmt::format("{:.3g} m{}", 1e3 * w.output.scale * *typical<wander_range_of>(fit), w.output.unit);
   MovingZero out{finding_about(*drift, w.output), *wander > kFar ? "the time within the record, in which the zero moves by " + size : std::string()};
   out.finding.form = "within_records";
   out.finding.probability = kListed;

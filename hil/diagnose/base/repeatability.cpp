@@ -141,22 +141,23 @@ double bend_of(const MixedFit& fit, std::size_t k, double since_s) {
   return out;
 }
 
-namespace {
+double wander_of(const MixedFit& fit, std::size_t k) { return std::sqrt(0.5) * fit.zeta[k].segment(kFirstWave, kWaves).norm(); }
 
-Eigen::VectorXd wander_on_rows(const ResidualChannel& channel, const MixedFit& fit, std::size_t k) {
-  return channel.rows[k].matrix.middleCols(kFirstWave, kWaves) * fit.zeta[k].segment(kFirstWave, kWaves);
-}
-
-}  // namespace
-
-double wander_of(const ResidualChannel& channel, const MixedFit& fit, std::size_t k) {
-  const Eigen::VectorXd wander = wander_on_rows(channel, fit, k);
+double wander_on_rows(const ResidualChannel& channel, const MixedFit& fit, std::size_t k) {
+  const Eigen::VectorXd wander = channel.rows[k].matrix.middleCols(kFirstWave, kWaves) * fit.zeta[k].segment(kFirstWave, kWaves);
   return wander.size() == 0 ? 0.0 : std::sqrt(wander.squaredNorm() / static_cast<double>(wander.size()));
 }
 
-double wander_range_of(const ResidualChannel& channel, const MixedFit& fit, std::size_t k) {
-  const Eigen::VectorXd wander = wander_on_rows(channel, fit, k);
-  return wander.size() == 0 ? 0.0 : wander.maxCoeff() - wander.minCoeff();
+double wander_range_of(const MixedFit& fit, std::size_t k) {
+  constexpr int kPlaces = 64;
+  double low = HUGE_VAL, high = -HUGE_VAL;
+  for (int i = 0; i <= kPlaces; ++i) {
+    double at = 0.0;
+    for (int j = 0; j < kWaves; ++j) at += fit.zeta[k][kFirstWave + j] * std::cos(std::numbers::pi * (j + 1) * i / kPlaces);
+    low = std::min(low, at);
+    high = std::max(high, at);
+  }
+  return high - low;
 }
 
 void follow_course(const MixedFit& fit, std::size_t k, RecordInput& r) {

@@ -29,11 +29,13 @@ void size_swing(MixedProblem& problem);
 bool tells_swing(const MixedFit& fit);
 /// By how much the course of record `k` of the fit bends away from the law's exponential `since_s` after the start of its excitation, share of the swing.
 double bend_of(const MixedFit& fit, std::size_t k, double since_s);
-/// RMS of the slow wander of the zero over the rows of record `k` of the fit, of the channel's scale; 0 in records of less than a minute. Of the rows:
-/// in a block of a recording, a part of each wave, strengths that cancel each other are large.
-double wander_of(const ResidualChannel& channel, const MixedFit& fit, std::size_t k);
-/// From its lowest to its highest value in the record.
-double wander_range_of(const ResidualChannel& channel, const MixedFit& fit, std::size_t k);
+/// RMS of the slow wander of the zero in record `k` of the fit, of the channel's scale, where the record is whole: the waves are orthogonal over it; 0 in
+/// records of less than a minute.
+double wander_of(const MixedFit& fit, std::size_t k);
+/// The same over its rows: of a block of a recording, which has a part of each wave, and strengths that cancel each other are large there.
+double wander_on_rows(const ResidualChannel& channel, const MixedFit& fit, std::size_t k);
+/// From its lowest to its highest value in the record, which is whole.
+double wander_range_of(const MixedFit& fit, std::size_t k);
 /// Multiplies the swing of record `k` of the fit as that fit does: D(t) by the law (in record.decay), a swing of its own size, and the bend of its course
 /// away from one exponential, all over its gain. What a lag or a shift in time adds decays as the signal does.
 void follow_course(const MixedFit& fit, std::size_t k, RecordInput& record);
