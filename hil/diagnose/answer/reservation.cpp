@@ -81,7 +81,7 @@ bool is_ordinary_zero(const Asked& a) {
 }
 
 bool is_soft_rail(const Asked& a) {
-  constexpr double kStops = 0.1;  // of the slope, at least, however softly the rail is met
+  constexpr double kStops = 0.25;  // of the slope, at least, however softly the rail is met; a curve that the model has not quite is bent by less
   if (a.f.effect != "clipping" || a.f.parameters.empty()) return false;
   double taken = 0.0;
   for (const FoundParameter& p : a.f.parameters)

@@ -59,6 +59,27 @@ TEST(Reservation, SpikesNoLargerThanTheStepsOfTheCodesAreTheirs) {
   EXPECT_EQ(spikes_beside_codes(0.8), 0.95);
 }
 
+// Corners that take `each` of the slope, one above the other.
+double rail_of(std::vector<double> each) {
+  Workspace w;
+  Finding f;
+  f.effect = "clipping";
+  f.probability = 0.98;
+  for (std::size_t k = 0; k < each.size(); ++k) {
+    const std::string of = k == 0 ? "" : "rail.";
+    f.parameters.push_back({of + "Wr_N", 3.0 + static_cast<double>(k), 0.1, "N"});
+    f.parameters.push_back({of + "c", each[k], 0.01, "1"});
+  }
+  reserve(w, ResidualChannel{}, MixedFit{}, f);
+  return f.probability;
+}
+
+TEST(Reservation, ARailTakesAQuarterOfTheSlopeAndABendLess) {
+  EXPECT_EQ(rail_of({0.9}), 0.98);
+  EXPECT_EQ(rail_of({0.2, 0.16}), 0.98);
+  EXPECT_EQ(rail_of({0.05, 0.035, 0.03}), kWithdrawn);
+}
+
 // Of a gain that changes by `c` behind the load, in two records driven by `drive_V`.
 double self_heating(double c, std::array<double, 2> drive_V) {
   Workspace w;
