@@ -19,7 +19,6 @@
 namespace forcegate {
 namespace {
 
-constexpr const char* kRecorded = "recorded";  // the specimen of a recording
 constexpr double kCommandsPerSwing = 4.0;
 
 // " for its minima": of which kind of extremum nothing says how far off it may be; empty where nothing is said of either.
@@ -131,7 +130,7 @@ Result<void> remark_on(const Plan& plan, PlanEstimate& e) {
     if (dynamic && c.checks & (kCheckAccuracy | kCheckPromise) && (*made)->duration_s() <= (*made)->facts().excitation_start_s + plan.limits.learning_s)
       out.push_back(fmt::format("case {} ends within the start window of {:.4g} s: no extremum of it is judged", c.name, plan.limits.learning_s));
   }
-  if (specimens == std::set<std::string>{kRecorded}) specimens.clear();  // never played on a rig
+  if (e.replays) specimens.clear();  // never played on a rig
   for (const std::string& specimen : specimens) {
     RigRecordRequest probe;
     probe.specimen = specimen;

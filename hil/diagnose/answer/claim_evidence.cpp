@@ -9,6 +9,7 @@
 #include "hil/diagnose/answer/load_direction.h"
 #include "hil/diagnose/answer/residual_map.h"
 #include "hil/diagnose/candidates/cause_course.h"
+#include "hil/diagnose/choose/refit_chosen.h"
 
 namespace forcegate::diagnose {
 
@@ -38,17 +39,12 @@ struct Pair {
 };
 
 Pair fit_both(const ResidualChannel& channel, const Selection& selection, const ChosenEffect& effect, std::optional<std::size_t> left_out) {
-  const std::vector<int>& all = selection.claimed.columns;
-  const std::vector<int> own = columns_of(channel, effect);
-  std::vector<int> others;
-  for (const int c : all)
-    if (std::ranges::find(own, c) == own.end()) others.push_back(c);
   // both may follow a record by the same spread: a late reference or an angle's zero that differs at will would take a loop for itself
   const auto fitted = [&](const std::vector<int>& columns) {
     MixedFit fit = fit_without(channel, columns, selection.claimed, left_out);
     return fit.valid ? at_freedom_of(channel.problem, std::move(fit), selection.base) : fit;
   };
-  return {fitted(others), fitted(all)};
+  return {fitted(columns_beside(channel, selection, effect)), fitted(selection.claimed.columns)};
 }
 
 // A channel with one selection in it.

@@ -13,6 +13,7 @@
 #include "hil/diagnose/choose/in_place.h"
 #include "hil/diagnose/choose/objection.h"
 #include "hil/diagnose/choose/probability.h"
+#include "hil/diagnose/choose/refit_chosen.h"
 #include "hil/model/lagged_channel.h"
 
 namespace forcegate::diagnose {
@@ -84,10 +85,7 @@ std::string why_no_claim(const Workspace& w, const ResidualChannel& channel, con
 CrossFit records_that_it_helps(const ResidualChannel& channel, const Selection& selection, const ChosenEffect& chosen) {
   const CrossFit& entered = chosen.left_out;
   if (chosen.between || selection.chosen.size() < 2 || entered.improved == entered.excited || !selection.claimed.valid) return entered;
-  const std::vector<int> own = columns_of(channel, chosen);
-  std::vector<int> others = selection.claimed.columns;
-  std::erase_if(others, [&](int column) { return std::ranges::find(own, column) != own.end(); });
-  const MixedFit without = fit_mixed(channel.problem, others, &selection.claimed, 12, selection.claimed.use);
+  const MixedFit without = fit_mixed(channel.problem, columns_beside(channel, selection, chosen), &selection.claimed, 12, selection.claimed.use);
   if (!without.valid) return entered;
   const CrossFit beside = cross_fit(channel, without, selection.claimed);
   return beside.improved * entered.excited > entered.improved * beside.excited ? beside : entered;

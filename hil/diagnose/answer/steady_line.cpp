@@ -120,9 +120,7 @@ std::optional<Line> line_of(const RecordInput& record, double gain_V_per_N, bool
 // Rounding of a steady ramp is a saw-tooth; the amplitude of its line is a step over pi.
 double line_of_rounding_V(const Workspace& w, const RecordHealth& h) {
   constexpr double kOfStep = 0.4;
-  const BenchFacts& bench = w.input.bench;
-  const double step_V = std::max(h.lsb_U_V, w.input.in_counts ? 0.0 : declared_step_V(bench, w.input.U_range_V));
-  const double step_N = std::isfinite(bench.reference_resolution_N) ? std::max(h.lsb_F_N, bench.reference_resolution_N) : h.lsb_F_N;
+  const double step_V = std::max(h.lsb_U_V, declared_step_V(w.input)), step_N = std::max(h.lsb_F_N, declared_step_N(w.input.bench));
   return kOfStep * std::max(step_V, std::abs(w.scales.gain_V_per_N) * step_N);
 }
 

@@ -61,8 +61,7 @@ void set_noise(Workspace& w, unsigned threads) {
     if (h != nullptr) {
       const BenchFacts& bench = w.input.bench;
       const double noise_F = std::isfinite(bench.reference_noise_N) ? bench.reference_noise_N : h->noise_F_N;
-      const double hidden_F = std::isfinite(bench.reference_resolution_N) ? left_of_hidden_step(bench.reference_resolution_N, step_F, noise_F) : 0.0;
-      const double hidden_U = w.input.in_counts ? 0.0 : left_of_hidden_step(declared_step_V(bench, w.input.U_range_V), step_U, h->noise_U_V);
+      const double hidden_F = left_of_hidden_step(declared_step_N(bench), step_F, noise_F), hidden_U = left_of_hidden_step(declared_step_V(w.input), step_U, h->noise_U_V);
       const double of_F = std::max(left_of(step_F, h->noise_F_N) / std::sqrt(12.0), hidden_F), of_U = std::max(left_of(step_U, h->noise_U_V) / std::sqrt(12.0), hidden_U);
       undithered = std::hypot(w.gain_V_per_N * decay * of_F, of_U);
     }

@@ -1,5 +1,7 @@
 #include "hil/diagnose/choose/refit_chosen.h"
 
+#include <algorithm>
+
 namespace forcegate::diagnose {
 
 void refit_chosen(const ResidualChannel& channel, const std::vector<int>& carried, Selection& selection) {
@@ -15,6 +17,13 @@ void refit_chosen(const ResidualChannel& channel, const std::vector<int>& carrie
   if (!final.valid) return;
   selection.final = final;
   selection.excess_after = excess_mean_square(channel, final);
+}
+
+std::vector<int> columns_beside(const ResidualChannel& channel, const Selection& selection, const ChosenEffect& effect) {
+  const std::vector<int> own = columns_of(channel, effect);
+  std::vector<int> out = selection.claimed.columns;
+  std::erase_if(out, [&](int column) { return std::ranges::find(own, column) != own.end(); });
+  return out;
 }
 
 }  // namespace forcegate::diagnose

@@ -10,4 +10,7 @@ namespace forcegate::diagnose {
 /// effect on whose model cannot be fitted.
 void refit_chosen(const ResidualChannel& channel, const std::vector<int>& carried, Selection& selection);
 
+/// Columns of the claimed model without those of one of its effects.
+std::vector<int> columns_beside(const ResidualChannel& channel, const Selection& selection, const ChosenEffect& effect);
+
 }  // namespace forcegate::diagnose

@@ -51,6 +51,10 @@ double declared_step_V(const BenchFacts& bench, double U_range_V) {
   return range_V / std::exp2(bench.adc_bits);
 }
 
+double declared_step_V(const CampaignInput& campaign) { return campaign.in_counts ? 0.0 : declared_step_V(campaign.bench, campaign.U_range_V); }
+
+double declared_step_N(const BenchFacts& bench) { return std::isfinite(bench.reference_resolution_N) ? bench.reference_resolution_N : 0.0; }
+
 double quiet_step_V(const ForceAndOutput& samples, double noise_V, double lsb_V, const HealthScales& campaign) {
   constexpr double kOfNoise = 8.0, kNoiseOfStep = 0.3, kOfRange = 0.012, kOfRestless = 6.0;
   return std::max(kOfNoise * std::max(noise_V, kNoiseOfStep * lsb_V) + kOfRange * campaign.U_range_V,

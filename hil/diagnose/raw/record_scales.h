@@ -3,6 +3,7 @@
 
 #include "hil/diagnose/raw/force_and_output.h"
 #include "hil/diagnose/raw/health_scales.h"
+#include "hil/model/record_input.h"
 
 namespace forcegate::diagnose {
 
@@ -17,8 +18,10 @@ struct RecordScales {
 
 RecordScales record_scales(const ForceAndOutput& samples, const HealthScales& campaign, const BenchFacts& bench);
 
-/// Step of the converter that the lab declared, V; 0: none.
+/// Steps that the lab declared, of the converter and the reference; 0: none. Counts have the step that they show.
 double declared_step_V(const BenchFacts& bench, double U_range_V);
+double declared_step_V(const CampaignInput& campaign);
+double declared_step_N(const BenchFacts& bench);
 
 /// What noise, of `noise_V` per sample, and steps of the values do between two samples, V.
 double quiet_step_V(const ForceAndOutput& samples, double noise_V, double lsb_V, const HealthScales& campaign);

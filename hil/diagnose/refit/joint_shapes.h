@@ -8,8 +8,8 @@
 
 namespace forcegate::diagnose {
 
-/// Gauss-Newton steps of the continuous shapes of `variants` with all coefficients of `fit`, each halved until the log evidence rises, until it rises
-/// no more. Columns of the variants stand where the shapes end. Nothing, where fewer than two shapes are continuous.
+/// Gauss-Newton steps of the continuous shapes of `variants` with all coefficients of `fit`, each halved, twice at most, where the log evidence does not rise,
+/// until it rises no more. Columns of the variants stand where the shapes end. Nothing, where fewer than two shapes are continuous.
 void move_together(Workspace& workspace, const std::vector<int>& variants, MixedFit& fit, unsigned threads);
 
 }  // namespace forcegate::diagnose

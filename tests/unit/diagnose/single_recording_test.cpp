@@ -26,6 +26,20 @@ TEST(SingleRecording, KeepsItsHistoryFromBlockToBlock) {
   EXPECT_LT(d.error_after, 0.3 * d.error_before);
 }
 
+// Waves of the whole recording nearly cancel over a part of it, and their strengths there say nothing of a size.
+TEST(SingleRecording, AZeroThatWandersIsToldByWhatItDoes) {
+  constexpr double kMoves_V = 0.05;
+  const Diagnosis d = answer(recording(
+      50.0, 7500, [](double t) { return 2.2 + 1.8 * std::sin(0.25 * t); },
+      [](const std::vector<double>& t, const std::vector<double>& x) {
+        std::vector<double> y;
+        for (std::size_t i = 0; i < x.size(); ++i) y.push_back(1.8 * x[i] + 0.1 + kMoves_V * (std::sin(0.12 * t[i]) + std::exp(-t[i] / 9.0)));
+        return y;
+      },
+      0.002));
+  EXPECT_LT(d.repeatability.wander_V, 2.0 * kMoves_V);
+}
+
 TEST(SingleRecording, StrokesOfOneSpeedEachWayDoNotPartFrictionFromDamping) {
   // out at 6, back at 13: a loop that goes with the direction and one that goes with the speed are the same here
   const auto strokes = [](double t) {
