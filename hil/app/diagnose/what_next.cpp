@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "hil/app/diagnose/diagnose.h"
+#include "hil/app/export/recorded_rate.h"
 #include "hil/app/files/find_plan.h"
 
 namespace forcegate {
@@ -94,7 +95,13 @@ std::optional<ExportOffer> export_offer(const std::string& model, const Campaign
     offer.refit = refit;
     request.fit.reset();
     if (refit) request.fit = *campaign;
-    if (export_model(request)) return offer;
+    const Result<ExportResult> made = export_model(request);
+    if (!made) continue;
+    if (offer.plan || !is_other_rate(made->rate_Hz, made->recorded_Hz)) return offer;
+    // made again: one that runs fast enough for its lags at 1000 Hz may not at 20 Hz
+    request.rate_Hz = made->recorded_Hz;
+    if (export_model(request)) offer.rate_Hz = request.rate_Hz;
+    return offer;
   }
   return std::nullopt;
 }

@@ -61,6 +61,7 @@ bool is_shipped_model(const std::string& model);
 struct ExportOffer {
   bool refit = false;  ///< --fit CAMPAIGN: the campaign has records enough for one law for all of them
   bool plan = true;    ///< false: --plan none, because there is no plan whose calibration could be taken back
+  double rate_Hz = 0.0;  ///< --rate: no plan says what the firmware runs at, and the records have another rate than the header would; 0: as it is
 };
 std::optional<ExportOffer> export_offer(const std::string& model, const CampaignRequest* campaign);
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hil/app/export/calibration_map.h"
+#include "hil/app/export/recorded_rate.h"
 #include "hil/app/export/replayed_far_off.h"
 #include "hil/app/files/find_plan.h"
 #include "hil/app/files/write_file.h"
@@ -51,6 +52,7 @@ std::string begins_anew(const Model& model) {
 std::vector<std::string> notes_of(const ExportResult& r) {
   std::vector<std::string> out;
   if (!r.self.made) out.push_back("not held against the model's own inverse: " + r.self.why_not);
+  if (std::string note = note_of_rate(r.rate_Hz, r.recorded_Hz); !note.empty()) out.push_back(std::move(note));
   out.insert(out.end(), r.notes.begin(), r.notes.end());
   return out;
 }
@@ -103,12 +105,14 @@ std::string check_text(const ExportResult& r, bool notes) {
 Result<ExportResult> export_model(const ExportRequest& request) {
   FORCEGATE_TRY(Model model, load_model(request.model));
   ExportResult out;
+  out.rate_Hz = request.rate_Hz;
   CompensatorOptions options;
   options.rate_Hz = request.rate_Hz;
   options.reference_temperature_C = request.reference_temperature_C;
   if (request.fit) {
     FORCEGATE_TRY(Campaign records, load_campaign(*request.fit));
     FORCEGATE_CHECK_OK(diagnose::check_shows_a_law(records));
+    out.recorded_Hz = recorded_rate_Hz(records);
     const auto undone = [&](Model m) {
       const auto made = make_compensator(m, options);
       return made && set_reference(m, request.reference_temperature_C) && self_check(m, *made, request.rate_Hz);
@@ -159,6 +163,7 @@ Result<ExportResult> export_model(const ExportRequest& request) {
   out.calibration = options.calibration;
   if (request.check) {
     FORCEGATE_TRY(const Campaign campaign, load_campaign(*request.check));
+    if (!(out.recorded_Hz > 0.0)) out.recorded_Hz = recorded_rate_Hz(campaign);
     FORCEGATE_TRY(out.check, check_compensator(model, out.compensator, request.rate_Hz, campaign));
     out.check->by_model = !options.calibration.known;
     if (out.fit) out.check->far_off = replayed_far_off(*out.fit, *out.check, model.law.gain_N_per_V);
@@ -183,8 +188,8 @@ std::string export_text(const ExportResult& r, bool notes) {
   if (c.effects.empty())
     out += "  the law alone: the reference firmware computes its inverse without this header\n";
   out += fmt::format(
-      "  at most {} floating-point operations a sample, {} bytes of state, noise at rest x {:.2f}\n",
-      c.operations, c.state_bytes, c.noise_gain);
+      "  runs at {:g} Hz: at most {} floating-point operations a sample, {} bytes of state, noise at rest x {:.2f}\n",
+      r.rate_Hz, c.operations, c.state_bytes, c.noise_gain);
   if (r.calibration.known)
     out += fmt::format(
         "  takes back what the calibration makes of it ({}): gain x {:.4f}, offset {:+.4f} N\n",
@@ -203,6 +208,8 @@ std::string export_json(const ExportResult& r) {
                                 {"header", r.header.string()},
                                 {"id", r.compensator.id},
                                 {"input_unit", r.input_unit},
+                                {"rate_Hz", r.rate_Hz},
+                                {"recorded_rate_Hz", r.recorded_Hz > 0.0 ? nlohmann::ordered_json(r.recorded_Hz) : nlohmann::ordered_json()},
                                 {"effects", r.compensator.effects},
                                 {"operations", r.compensator.operations},
                                 {"state_bytes", r.compensator.state_bytes},

@@ -1,5 +1,7 @@
 #include "hil/cli/verbs/next_line.h"
 
+#include <fmt/format.h>
+
 #include "hil/app/diagnose/diagnose.h"
 #include "hil/app/files/find_plan.h"
 #include "hil/cli/parse.h"
@@ -33,6 +35,7 @@ std::optional<std::string> export_line(const Invocation& in, const std::string& 
   if (offer->refit) out += " --fit " + campaign_words(in, campaign);
   if (shipped) out += " -o model.toml";
   if (!offer->plan) out += " --plan none";
+  if (offer->rate_Hz > 0.0) out += fmt::format(" --rate {:.6g}", offer->rate_Hz);
   return out + " --c comp.h";
 }
 
