@@ -91,13 +91,15 @@ Result<std::vector<ParameterAnswer>> laws(const LawsRequest& request) {
 std::string laws_text(const std::vector<ParameterAnswer>& answers) {
   std::string out;
   for (const ParameterAnswer& a : answers) {
-    out += a.sentence + "\n  law: " + a.name + " =";
-    for (std::size_t k = 0; k < a.law.size(); ++k)
-      out += fmt::format(" {}{}{}", k == 0 ? "" : "+ ", with_uncertainty(a.law[k].value, a.law[k].u),
-                         a.law[k].term == "1" ? "" : " " + a.law[k].term);
+    out += a.sentence + "\n  law: " + a.response + " =";
+    for (std::size_t k = 0; k < a.law.size(); ++k) {
+      const LawCoefficient& c = a.law[k];
+      const bool falls = k > 0 && c.value < 0.0;
+      out += fmt::format(" {}{}{}", k == 0 ? "" : falls ? "- " : "+ ", with_uncertainty(falls ? -c.value : c.value, c.u), c.term == "1" ? "" : " " + c.term);
+    }
     out += fmt::format(
-        "\n  leave-one-out error: constant {:.3g}, the law given {:.3g}, the law now {:.3g}; scatter between records {:.3g}\n",
-        a.loo_constant, a.loo_before, a.loo_after, a.scatter);
+        "\n  leave-one-out error{}: constant {:.3g}, the law given {:.3g}, the law now {:.3g}; scatter between records {:.3g}\n",
+        a.response == a.name ? "" : " of " + a.response, a.loo_constant, a.loo_before, a.loo_after, a.scatter);
     out += "  candidates beside the law given:\n";
     for (std::size_t k = 0; k < std::min<std::size_t>(5, a.ranking.size()); ++k) {
       const RankedTerm& r = a.ranking[k];
@@ -128,6 +130,7 @@ std::string laws_json(const std::vector<ParameterAnswer>& answers) {
     for (const LawCoefficient& c : a.law) law.push_back({{"term", c.term}, {"value", c.value}, {"u", c.u}});
     list.push_back(
         {{"parameter", a.name},
+         {"response", a.response},
          {"unit", a.unit},
          {"records", a.n},
          {"candidates", a.candidates},

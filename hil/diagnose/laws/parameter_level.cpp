@@ -53,15 +53,16 @@ VectorXd column_of(const LawTerm& term, const std::vector<Covariate>& covariates
   return out;
 }
 
+bool differs(const Covariate& c) { return std::ranges::any_of(c.value, [&](double v) { return v != c.value.front(); }); }
+
+// A product with what is the same in every record is the other factor.
 std::vector<LawTerm> all_terms(const std::vector<Covariate>& covariates) {
   std::vector<LawTerm> out;
   for (const Covariate& c : covariates)
-    for (const TermForm form :
-         {TermForm::linear, TermForm::logarithm, TermForm::reciprocal, TermForm::square})
-      out.push_back({form, c.name, {}});
+    for (const TermForm form : {TermForm::linear, TermForm::logarithm, TermForm::reciprocal, TermForm::square}) out.push_back({form, c.name, {}});
   for (std::size_t a = 0; a < covariates.size(); ++a)
     for (std::size_t b = a + 1; b < covariates.size(); ++b)
-      out.push_back({TermForm::product, covariates[a].name, covariates[b].name});
+      if (differs(covariates[a]) && differs(covariates[b])) out.push_back({TermForm::product, covariates[a].name, covariates[b].name});
   return out;
 }
 
@@ -362,6 +363,7 @@ Result<ParameterAnswer> missing_dependence(const ParameterQuestion& q) {
   ParameterAnswer out;
   out.name = q.name;
   out.unit = q.unit;
+  out.response = to_string({q.scale == ResponseScale::logarithm ? TermForm::logarithm : q.scale == ResponseScale::reciprocal ? TermForm::reciprocal : TermForm::linear, q.name, {}});
   out.n = q.value.size();
   out.loo_constant = fit_law(MatrixXd::Ones(n, 1), y, root_w).loo;
   weigh(law.X, y, u, root_w);

@@ -73,6 +73,7 @@ struct FoundTerm {
 
 struct ParameterAnswer {
   std::string name, unit;
+  std::string response;  ///< g(y), of which the law is: "ca", "ln ca", "1/ca"
   std::size_t n = 0, candidates = 0;
   std::vector<FoundTerm> added;
   std::vector<RankedTerm> ranking;  ///< candidates beside the given law, best first

@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+
 #include "tests/support/folder_test.h"
 
 namespace forcegate {
@@ -64,6 +66,33 @@ TEST_F(Laws, ACovariateThatIsNotThereIsNamed) {
   const auto answers = laws(request);
   ASSERT_FALSE(answers);
   EXPECT_THAT(answers.error().to_text(), HasSubstr("no column 'humidity'"));
+}
+
+TEST_F(Laws, TheEquationIsOfWhatTheScaleMakesOfTheParameter) {
+  for (const auto& [scale, response] : {std::pair{"linear", "b"}, std::pair{"log", "ln b"}, std::pair{"reciprocal", "1/b"}}) {
+    LawsRequest request = table();
+    request.scale = scale;
+    request.law = {"f"};
+    const auto answers = laws(request);
+    ASSERT_TRUE(answers) << answers.error().to_text();
+    EXPECT_THAT(laws_text(*answers), HasSubstr(std::string("law: ") + response + " = "));
+    EXPECT_THAT(laws_text(*answers), HasSubstr(scale == std::string("linear") ? "leave-one-out error: " : std::string("leave-one-out error of ") + response + ": "));
+  }
+  LawsRequest falls = table();
+  falls.scale = "reciprocal";
+  falls.law = {"f"};
+  EXPECT_THAT(laws_text(*laws(falls)), HasSubstr(" - ")) << "1/b falls with f";
+}
+
+TEST_F(Laws, WhatIsTheSameInEveryRecordMakesNoProduct) {
+  LawsRequest request = table();
+  std::ifstream file(request.table);
+  std::string text, line;
+  for (bool head = true; std::getline(file, line); head = false) text += line + (head ? ",bench\n" : ",5\n");
+  request.table = put("with_constant.csv", text);
+  const auto answers = laws(request);
+  ASSERT_TRUE(answers) << answers.error().to_text();
+  for (const RankedTerm& r : answers->front().ranking) EXPECT_NE(r.term.other, "bench") << to_string(r.term);
 }
 
 }  // namespace
