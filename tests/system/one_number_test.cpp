@@ -65,6 +65,26 @@ TEST(OneNumber, TheWaterfallOfAHistoryBeginsAndEndsWhereItsStepDoes) {
   EXPECT_NEAR(history["waterfall"]["end"], after, 0.005 * after);
 }
 
+// An equation of one's own stands in its file before it is added.
+TEST(OneNumber, TheWaterfallOfAnOwnEquationBeginsAndEndsWhereItsStepDoes) {
+  const TemporaryFolder folder;
+  write_overload(folder);
+  write_text(folder / "m.toml", "format = 1\n[law]\nkind = \"static\"\ngain_N_per_V = 3\noffset_N = 0\n[[effect]]\nname = \"mine\"\noutput = \"k * F^2\"\nparameter.k = 0.1\n"
+                                "[[effect]]\nname = \"left\"\noutput = \"j * F^3\"\nparameter.j = 0.1\n");
+  const ProcessResult added = pasted("forcegate add mine --fit overload --model m.toml -o better.toml --json", folder);
+  ASSERT_EQ(added.exit_code, 0) << added.err;
+  const auto add = nlohmann::json::parse(added.out);
+  const ProcessResult asked = pasted("forcegate history better.toml --on overload --json", folder);
+  ASSERT_EQ(asked.exit_code, 0) << asked.err;
+  const auto history = nlohmann::json::parse(asked.out);
+  const double before = add["error_before"], after = add["error_after"];
+  EXPECT_NEAR(history["waterfall"]["start"], before, 0.005 * before);
+  EXPECT_NEAR(history["waterfall"]["end"], after, 0.005 * after);
+  ASSERT_EQ(history["waterfall"]["bars"].size(), 1U);
+  ASSERT_EQ(history["notes"].size(), 1U) << history["notes"];
+  EXPECT_NE(history["notes"][0].get<std::string>().find("left was never fitted"), std::string::npos);
+}
+
 TEST(OneNumber, ThePartsOfOneRecordingAreNoRecords) {
   const TemporaryFolder folder;
   Noise noise;

@@ -5,14 +5,18 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "hil/app/model/never_fitted.h"
 #include "hil/base/plain_number.h"
+#include "hil/diagnose/candidates/user_candidates.h"
 
 namespace forcegate {
 namespace {
 
 // The latest step that put an effect in which the model still has; null where it has none.
 const HistoryStep* last_added(const Model& model) {
-  const std::vector<std::string> names = model.effect_names();
+  std::vector<std::string> names = model.effect_names();
+  for (const UserEffect& own : model.user_effects)
+    if (diagnose::is_fitted(own)) names.push_back(own.name);
   for (auto step = model.history.rbegin(); step != model.history.rend(); ++step)
     if (std::ranges::find(names, step->effect) != names.end()) return &*step;
   return nullptr;
@@ -23,6 +27,9 @@ const HistoryStep* last_added(const Model& model) {
 Model before_step(const Model& with_step, const HistoryStep& step) {
   Model model = with_step;
   std::erase_if(model.effects, [&](const ModelEffect& e) { return e.effect == step.effect; });
+  for (UserEffect& own : model.user_effects)  // an equation stands in its file before it is added: what no fit has estimated is left out
+    if (own.name == step.effect)
+      for (ModelParameter& p : own.parameters) p.se = 0.0;
   if (&step == &with_step.history.front())
     if (const Result<Model> library = library_model(model.name)) model.law = library->law;
   return model;
@@ -39,6 +46,7 @@ Result<History> history_request(const CampaignRequest& request) {
     FORCEGATE_TRY(diagnose::Refit refit, step != nullptr ? fit_request(request, before_step(out.model, *step), step->effect)
                                                          : fit_request(request, ""));
     out.waterfall = std::move(refit.waterfall);
+    out.notes = left_out_notes(out.model);
   }
   return out;
 }
@@ -55,6 +63,7 @@ std::string history_text(const History& h) {
     else out += step + fmt::format("held out (floor {}){}\n", plain_number(unit.factor * s.floor), s.accepted ? "" : "  [the held-out error did not fall]");
   }
   if (h.waterfall) out += "waterfall, held out:\n" + waterfall_text(*h.waterfall);
+  for (const std::string& note : h.notes) out += "note: " + note + "\n";
   return out;
 }
 
@@ -73,6 +82,7 @@ std::string history_json(const History& h) {
                      {"one_law", s.one_law}});
   nlohmann::ordered_json out = {{"format", 1}, {"model", h.model.name}, {"steps", steps}};
   if (h.waterfall) out["waterfall"] = nlohmann::ordered_json::parse(waterfall_json(*h.waterfall));
+  out["notes"] = h.notes;
   return out.dump(2) + "\n";
 }
 

@@ -10,6 +10,7 @@ namespace forcegate {
 struct History {
   Model model;
   std::optional<diagnose::Waterfall> waterfall;  ///< when a campaign was given
+  std::vector<std::string> notes;                ///< what it leaves out, one sentence each
 };
 
 Result<History> history_request(const CampaignRequest& request);
