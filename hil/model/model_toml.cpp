@@ -350,6 +350,7 @@ Result<void> read_effects(const toml::table& root, Model& out, const std::string
       out.user_effects.push_back(std::move(user));
       continue;
     }
+    FORCEGATE_CHECK_OK(known_keys(*table, {"name", "output", "state", "parameter", "form", "shape", "strength"}, where));  // a slip in "output" too
     FORCEGATE_TRY(const EffectKind* const kind, known_effect(name, place(where, *table)));
     FORCEGATE_TRY(ModelEffect effect, read_effect(*table, *kind, where));
     out.effects.push_back(std::move(effect));

@@ -45,9 +45,13 @@ Result<std::vector<double>> user_effect_N(const UserEffect& effect, const Record
     e.th = between(record.theta_rad);
   };
   const std::size_t states = effect.states.size();
+  std::vector<double> first_slope(states);
   const auto diverged = [&](std::size_t i) {
     for (std::size_t k = 0; k < states; ++k)
-      if (!std::isfinite(e.state[k]))
+      if (!std::isfinite(first_slope[k]))
+        return fail(ErrorCode::config, fmt::format("the derivative of the state {} of the effect \"{}\" has no value at the values written", effect.states[k].first, effect.name),
+                    place(k + 1), "nothing may be divided by 0 there, and no root or logarithm be taken of less");
+      else if (!std::isfinite(e.state[k]))
         return fail(ErrorCode::config,
                     fmt::format("the state {} of the effect \"{}\" runs away: it is not finite at {:.4g} s", effect.states[k].first, effect.name,
                                 record.t_s[i]),
@@ -64,6 +68,7 @@ Result<std::vector<double>> user_effect_N(const UserEffect& effect, const Record
     const double dt = record.t_s[i + 1] - record.t_s[i];
     start = e.state;
     for (std::size_t k = 0; k < states; ++k) slope[k] = e.derivative(k);
+    if (i == 0) first_slope = slope;
     for (std::size_t k = 0; k < states; ++k) e.state[k] = start[k] + 0.5 * dt * slope[k];
     set_input(i, 0.5);
     for (std::size_t k = 0; k < states; ++k) slope[k] = e.derivative(k);

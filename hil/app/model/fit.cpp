@@ -45,7 +45,10 @@ Result<diagnose::Refit> fit_campaign(const CampaignRequest& request, Campaign ca
   if (!out) return Unexpected(places.with_file(std::move(out.error())));
   out->model.output_unit = unit;
   for (diagnose::ParameterMove& move : out->moves)
-    if (move.name == "gain_N_per_V") move.unit = "N/" + unit;
+    if (move.name == "gain_N_per_V") {
+      move.unit = "N/" + unit;
+      if (model.output_unit != unit) move.before = kMissing;  // a gain of another quantity
+    }
   for (std::string& note : left_out_notes(model, add)) out->notes.push_back(std::move(note));
   for (std::string& note : beyond_bounds_notes(out->model)) out->notes.push_back(std::move(note));
   return out;

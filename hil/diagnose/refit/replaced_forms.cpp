@@ -29,7 +29,7 @@ std::vector<std::string> replaced_forms(const Model& before, const Model& after)
   for (const ModelEffect& e : before.effects) {
     if (!seen.insert(e.effect).second) continue;
     const std::set<std::string> was = forms_of(before, e.effect), is = forms_of(after, e.effect);
-    if (!is.empty() && is != was) notes.push_back(fmt::format("{}: {} of the model was replaced by {}, which these records ask for", e.effect, listed(was), listed(is)));
+    if (!is.empty() && is != was) notes.push_back(fmt::format("{}: {} of the model {} replaced by {}, which these records ask for", e.effect, listed(was), was.size() > 1 ? "were" : "was", listed(is)));
   }
   return notes;
 }

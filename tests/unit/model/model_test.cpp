@@ -147,6 +147,7 @@ TEST(UserEffect, SaysWhichQuantityTheRecordLacksAndWhichStateRunsAway) {
   EXPECT_NE(refused("F * x", "T - x").find("uses T, and the record has no temperature"), std::string::npos);
   EXPECT_NE(refused("sin(2 * th) + x", "0").find("uses th, and the record has no angle"), std::string::npos);
   EXPECT_NE(refused("x", "1 + x * x * 100").find("state x of the effect \"mine\" runs away"), std::string::npos);
+  EXPECT_NE(refused("x", "F / (2 - 2)").find("derivative of the state x of the effect \"mine\" has no value"), std::string::npos);
   EXPECT_NE(refused("pow(F, 2) + x", "0").find("x^y"), std::string::npos);
 }
 
@@ -207,6 +208,7 @@ TEST(ModelFile, AKeyThatIsNotReadIsAnErrorAtEveryLevel) {
            {mine + "state.x = 0.5\n", "state.x is no equation"},
            {mine + "state = \"x\"\n", "state is no table"},
            {law + "[[effect]]\nname = \"mine\"\noutput = 5.0\n", "output is no equation"},
+           {law + "[[effect]]\nname = \"mine\"\noutptu = \"F\"\n", "did you mean \"output\"?"},
            {law + "[[effect]]\nname = \"lag\"\nshape = 0.1\n", "shape is no table"}})
     EXPECT_NE(text_of(text).find(wanted), std::string::npos) << text << text_of(text);
   EXPECT_EQ(text_of(mine + "state.x = \"F - x\"\n"), "accepted");
