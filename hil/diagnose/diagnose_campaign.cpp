@@ -133,21 +133,10 @@ Result<Diagnosed> diagnose_all(CampaignRows rows, const EngineOptions& options) 
 // An angle or a command shows itself whether the wheel goes on where the force rests.
 bool has_witness_of_drive(const CampaignInput& input) { return input.has_theta || input.has_command; }
 
-// A curve that the model lacks although it has what acts together with one (an FSR) is steepest at no load: what rows of a closed contact leave
-// of it tells nothing of the contact.
-bool lacks_its_curve(const EngineOptions& options) {
-  const EffectRegistry& registry = EffectRegistry::instance();
-  const EffectKind& curve = *registry.find("static_nonlinearity");
-  const auto bends = [&](const ModelEffect& effect) {
-    const EffectKind* kind = registry.find(effect.effect);
-    return kind != nullptr && acts_together(curve, *kind);
-  };
-  return std::ranges::any_of(options.model_effects, bends) && std::ranges::find(options.in_model, curve.name) == options.in_model.end();
-}
-
 Result<Diagnosed> diagnose_records(Campaign campaign, const EngineOptions& options) {
   FORCEGATE_TRY(CampaignRows rows, take_rows(std::move(campaign), options));
-  const OpenContact open = has_witness_of_drive(rows.input) || lacks_its_curve(options) ? OpenContact{} : open_contact(rows.input);
+  // a curve that the model lacks is steepest at no load: what rows of a closed contact leave of it tells nothing of the contact
+  const OpenContact open = has_witness_of_drive(rows.input) || !lacking_partner(options).empty() ? OpenContact{} : open_contact(rows.input);
   if (!open) return diagnose_all(std::move(rows), options);
   CampaignRows closed = rows;
   leave_out_open(open, closed.input);

@@ -20,6 +20,11 @@ const EffectKind* kind_of(const ModelEffect& effect) {
   return kind != nullptr && kind->channel == EffectChannel::output ? kind : nullptr;
 }
 
+bool is_guess(const ModelEffect& effect) {
+  const auto estimated = [](const ModelParameter& p) { return p.se > 0.0; };
+  return std::ranges::none_of(effect.shape, estimated) && std::ranges::none_of(effect.strength, estimated);
+}
+
 bool is_own(const Candidate& c, const EngineOptions& options) {
   return std::ranges::find(options.in_model, c.kind->name) != options.in_model.end() && EffectRegistry::instance().find(c.kind->name) != c.kind;
 }
@@ -35,8 +40,7 @@ std::vector<Candidate> model_candidates(const CampaignInput& campaign, const std
     Candidate c{kind, form, shape_of(effect), 0, static_cast<int>(form->strength.size())};
     c.of_model = true;
     for (const ModelParameter& p : effect.strength) c.written.push_back(p.value);
-    const auto estimated = [](const ModelParameter& p) { return p.se > 0.0; };
-    c.is_guess = std::ranges::none_of(effect.shape, estimated) && std::ranges::none_of(effect.strength, estimated);
+    c.is_guess = is_guess(effect);
     out.push_back(std::move(c));
   }
   return out;
@@ -45,6 +49,19 @@ std::vector<Candidate> model_candidates(const CampaignInput& campaign, const std
 bool acts_together(const EffectKind& other, const EffectKind& with) {
   return std::ranges::any_of(other.forms, [&](const EffectForm& form) { return form.beside == with.name; });
 }
+
+std::string lacking_partner(const EngineOptions& options) {
+  for (const EffectKind& partner : EffectRegistry::instance().all()) {
+    const auto stands = [&](const ModelEffect& effect) {
+      const EffectKind* kind = kind_of(effect);
+      return kind != nullptr && acts_together(partner, *kind);
+    };
+    if (std::ranges::any_of(options.model_effects, stands) && std::ranges::find(options.in_model, partner.name) == options.in_model.end()) return partner.name;
+  }
+  return {};
+}
+
+bool is_as_shipped(const EngineOptions& options) { return std::ranges::all_of(options.model_effects, is_guess); }
 
 std::vector<Candidate> beside_base_law(const CampaignInput& campaign, const std::vector<Candidate>& of_model) {
   std::vector<Candidate> out;

@@ -9,6 +9,7 @@
 #include "hil/diagnose/between/mounting_places.h"
 #include "hil/diagnose/choose/objection.h"
 #include "hil/diagnose/choose/partner.h"
+#include "hil/diagnose/choose/probability.h"
 #include "hil/diagnose/choose/reference_latency.h"
 #include "hil/diagnose/choose/refine.h"
 #include "hil/diagnose/choose/shares.h"
@@ -42,7 +43,10 @@ class ForwardChoice {
  private:
   void search() {
     while (static_cast<int>(out_.chosen.size()) < rules_.most && !result_.families.empty()) {
-      if (place_ == 0) refine_leaders(input_, channel_, present_, result_, threads_);
+      if (place_ == 0) {
+        refine_leaders(input_, channel_, present_, result_, threads_);
+        put_expected_first();
+      }
       if (out_.chosen.empty()) out_.first = result_;
       const FamilyScore& family = result_.families[place_];
       ChosenEffect chosen = as_chosen(input_, channel_, result_.base, family, rules_);
@@ -97,6 +101,15 @@ class ForwardChoice {
       if (!out_.base.valid) return false;
     }
     return true;
+  }
+
+  // What fits nearly as well as an effect that every such sensor has is that one.
+  void put_expected_first() {
+    std::vector<FamilyScore>& families = result_.families;
+    const auto expected = std::ranges::find_if(families, [&](const FamilyScore& f) { return f.kind->name == rules_.expected; });
+    if (expected == families.end() || expected == families.begin() || expected->best.wrong_sign || asks_between_records(families.front())) return;
+    const double behind = (families.front().gain - expected->gain) / nats_of_a_factor(families.front().gain);
+    if (behind < log_prior(*expected->kind, rules_)) std::rotate(families.begin(), expected, expected + 1);
   }
 
   Lead lead_of(const FamilyScore& family) const {

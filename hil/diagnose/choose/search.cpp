@@ -20,8 +20,9 @@ namespace forcegate::diagnose {
 
 namespace {
 
-SelectionRules output_rules(const Workspace& w) {
+SelectionRules output_rules(const Workspace& w, const EngineOptions& options) {
   SelectionRules out;
+  if (is_as_shipped(options)) out.expected = lacking_partner(options);
   out.forms_are_rough = w.input.generic;
   out.one_zero = w.input.single && !w.zero_wanders;
   for (const RecordInput& r : w.input.records) out.row_step_s = std::max(out.row_step_s, r.row_step_s);
@@ -144,7 +145,7 @@ void leave_to_zero_of_reference(Workspace& w, const Given& given, unsigned threa
 
 Search search_channels(Workspace& w, const EngineOptions& options) {
   Search out;
-  out.rules = output_rules(w);
+  out.rules = output_rules(w, options);
   out.rig_rules = rules_of_rig(out.rules);
   out.drive_rules = rules_of_drive(out.rig_rules);
   if (w.has_rig) {

@@ -100,6 +100,8 @@ void find_what_completes_whole(const CampaignInput& input, const ResidualChannel
 
 }  // namespace
 
+double log_prior(const EffectKind& kind, const SelectionRules& rules) { return kind.name == rules.expected ? std::log(kExpectedOdds) : 0.0; }
+
 double threshold_of(const std::string& effect, const SelectionRules& rules) {
   return is_between_records(effect) ? rules.between_gain : rules.first_gain;
 }

@@ -80,10 +80,17 @@ struct SelectionRules {
          sure_total_fall = 0.02;      ///< a small share is enough where the evidence is overwhelming
   double smallest_rms = 2.5e-4;       ///< of the span: less is below what the declared instruments can tell
   bool one_zero = false;          ///< one recording, and its parts have no gain and zero of their own
+  std::string expected;           ///< what every sensor of this law has and the model lacks: the curve of an FSR; "": nothing. Prior odds kExpectedOdds
   double row_step_s = 0.0;            ///< a shift by so much and more flattens no noise of the reference; 0: not known
   bool clock_slack = true;            ///< a few milliseconds between two instruments are nobody's fault
   int most = 3;
 };
+
+/// Of the effect that is expected against any other one that fits as well.
+inline constexpr double kExpectedOdds = 10.0;
+
+/// ln of the prior odds of the family against one that nobody expects.
+double log_prior(const EffectKind& kind, const SelectionRules& rules);
 
 /// Score from which an effect is considered at all.
 double threshold_of(const std::string& effect, const SelectionRules& rules);

@@ -59,6 +59,7 @@ void set_shares(const ResidualChannel& channel, const ScreenResult& result, std:
       const double apart = std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
       if (apart < least_apart(rules, chosen.fall)) weight[k] = std::exp(log_weight_of_look_alike(leader, family, rules));
     }
+    weight[k] *= std::exp(log_prior(*family.kind, rules) - log_prior(*chosen.kind, rules));
     sum += weight[k];
   }
   // unless it outlasts them: what goes on growing moves zeros and gains from record to record as well, but not with what was recorded
