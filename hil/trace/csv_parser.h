@@ -51,7 +51,9 @@ class CsvParser {
   /// A file may end without a line end, or inside its last number: the row goes where that number is not whole, or is further from the one
   /// above than any two others are ("1" of 15.2).
   void drop_cut_row(std::string_view line);
-  bool has_decimal_commas() const;
+  /// The first number that has decimals tells what parts them; whole numbers before it mean the same either way.
+  void settle_point();
+  bool has_decimal_comma(std::size_t column) const;
 
   std::string name_;
   CsvTable table_;
@@ -72,7 +74,7 @@ class CsvParser {
   double scope_start_s_ = 0.0, scope_step_s_ = 0.0;  ///< the second is 0 for all but an oscilloscope's file
   std::uint64_t line_ = 0;
   char separator_ = ',', point_ = '.';
-  bool started_ = false, has_header_ = false, seen_data_ = false;
+  bool started_ = false, has_header_ = false, seen_data_ = false, point_settled_ = false;
 };
 
 }  // namespace forcegate
