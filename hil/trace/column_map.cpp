@@ -68,6 +68,13 @@ std::optional<Scale> scale_of(std::string_view to) {
   return factor && zero ? std::optional(Scale{*factor, *zero}) : std::nullopt;
 }
 
+std::vector<const Channel*> columns_left(const Trace& trace) {
+  std::vector<const Channel*> out;
+  for (const Channel& c : trace.channels)
+    if (known_channel(c.name) == nullptr) out.push_back(&c);
+  return out;
+}
+
 std::string name_of_target(const std::string& to) { return to.substr(0, to.find(':')); }
 
 }  // namespace
@@ -194,7 +201,15 @@ std::string column_map_advice(const Trace& trace, std::string_view name, std::st
       if (of_quantity.size() > 1)
         return "--map " + shell_quoted(header(*of_quantity.back()) + "=unused") + " where " + header(*of_quantity.front()) + " is the sensor";
     }
-  return "--map NAME=" + wanted + "_" + std::string(unit);
+  const std::string any = "--map NAME=" + wanted + "_" + std::string(unit);
+  const std::vector<const Channel*> free = columns_left(trace);
+  return free.size() == 1 ? any + ", where \"" + header(*free.front()) + "\" is the only column left" : any;
+}
+
+std::string no_column_left_advice(const Trace& trace) {
+  if (!columns_left(trace).empty()) return {};
+  return "the file has no column left for it: force and output must stand in one table on one clock. What two loggers wrote goes into one file with one "
+         "column of time, the rows in its order and a cell empty where the other logger took no sample (docs/campaign.md, \"Two loggers\")";
 }
 
 }  // namespace forcegate

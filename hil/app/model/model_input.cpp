@@ -114,16 +114,15 @@ Result<void> check_channels(const Campaign& campaign, const std::vector<std::str
             (c.name == "g" || c.name.ends_with("_g") || c.name.ends_with("(g)") || c.name.ends_with("[g]")) && in_grams.empty())
           in_grams = c.name;
       }
+      const std::string nothing_left = of_text.empty() ? no_column_left_advice(record.trace) : "";
       return fail(ErrorCode::parse, std::string("no column is the ") + what + ": there are " + join(columns, ", ") + of_text,
                   record.place_of_header(),
                   !away.empty() ? away
                   : of_text.find(" is a meter over its range") != std::string::npos
                       ? "empty the cells where the meter is over its range: they are missing values, or a conductance of 0"
-                  : in_grams.empty() ? "name one, for instance " + column_map_advice(record.trace, name, unit, record.headers) +
-                                           (std::string_view(name) == "F_ref" && record.trace.find("U") != nullptr
-                                                ? "; of an output alone forcegate diagnose tells the drift"
-                                                : "")
-                                     : "if " + in_grams + " is a weight in grams: --map " + shell_quoted(in_grams + "=F_ref_gf"));
+                  : !in_grams.empty() ? "if " + in_grams + " is a weight in grams: --map " + shell_quoted(in_grams + "=F_ref_gf")
+                                      : (nothing_left.empty() ? "name one, for instance " + column_map_advice(record.trace, name, unit, record.headers) : nothing_left) +
+                                            (std::string_view(name) == "F_ref" && record.trace.find("U") != nullptr ? "; of an output alone forcegate diagnose tells the drift" : ""));
     }
   return {};
 }
