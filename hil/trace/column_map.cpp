@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 
 #include "hil/base/plain_number.h"
@@ -42,6 +43,12 @@ bool has_word(std::string_view name, const std::array<const char*, N>& words) {
 
 // "ADC code", "Lectura_ADC", "raw": a number of a converter by one word of the name.
 bool is_called_code(std::string_view name) { return has_word(name, std::array{"adc", "code", "codes", "count", "counts", "lsb", "raw", "digits"}); }
+
+// "A0" to "A15": an analog pin of an Arduino, whose reading is whole.
+bool is_reading_of_pin(const Channel& c) {
+  const bool pin = c.name.size() > 1 && c.name.size() < 4 && c.name[0] == 'A' && c.name.find_first_not_of("0123456789", 1) == std::string::npos;
+  return pin && std::ranges::all_of(c.value, [](double v) { return std::isnan(v) || (v >= 0.0 && v == std::floor(v)); });
+}
 
 bool is_called_load_cell(std::string_view name) { return has_word(name, std::array{"hx711", "load", "loadcell", "cell", "force", "scale", "weight"}); }
 
@@ -188,7 +195,7 @@ std::string column_map_advice(const Trace& trace, std::string_view name, std::st
   if (wanted == "U")
     for (const Channel& c : trace.channels) {
       if (!c.unit.empty() || known_channel(c.name) != nullptr) continue;
-      if (is_called_code(c.name)) return "--map " + shell_quoted(header(c) + "=U_counts") + " where it holds codes of a converter";
+      if (is_called_code(c.name) || is_reading_of_pin(c)) return "--map " + shell_quoted(header(c) + "=U_counts") + " where it holds codes of a converter";
       if (c.name.find('/') != std::string::npos)
         return "--map " + shell_quoted(header(c) + "=U_V") + " where it is a ratio: wherever V stands, parts of the supply are meant";
     }

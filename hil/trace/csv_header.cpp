@@ -14,6 +14,7 @@
 #include "hil/trace/csv_parser.h"
 #include "hil/trace/csv_preamble.h"
 #include "hil/trace/date_time.h"
+#include "hil/trace/labelled_cells.h"
 #include "hil/trace/missing_count.h"
 
 namespace forcegate {
@@ -68,18 +69,35 @@ Result<void> CsvParser::check_kind(std::string_view chunk) const {
   return {};
 }
 
-void CsvParser::skip_preamble(const char*& p, const char* end) {
-  const std::size_t above = lines_above_header({p, static_cast<std::size_t>(end - p)});
-  if (above == 0) return;
-  for (std::size_t i = 0; i < above; ++i) {
+void CsvParser::skip_lines(const char*& p, const char* end, std::size_t n) {
+  for (std::size_t i = 0; i < n; ++i) {
     const char* const stop = static_cast<const char*>(std::memchr(p, '\n', static_cast<std::size_t>(end - p)));
     const std::string_view line(p, static_cast<std::size_t>(stop - p));
     if (line.starts_with("Y_Unit_Label\t")) unit_labels_ = line;
     keep_above(line);
     p = stop + 1;
   }
-  line_ += above;
+  line_ += n;
+}
+
+void CsvParser::skip_preamble(const char*& p, const char* end) {
+  const std::size_t above = lines_above_header({p, static_cast<std::size_t>(end - p)});
+  if (above == 0) return;
+  skip_lines(p, end, above);
   table_.notes.push_back("the names of the columns stand in line " + std::to_string(line_ + 1) + "; what is above was skipped");
+}
+
+Result<bool> CsvParser::take_labels(const char*& p, const char* end) {
+  const auto found = labelled_lines({p, static_cast<std::size_t>(end - p)});
+  if (!found) return false;
+  skip_lines(p, end, found->above);
+  FORCEGATE_CHECK_OK(header(join(found->labels, std::string(1, found->separator))));
+  labels_ = found->labels;
+  table_.notes.push_back("the names of the columns were read from the labels before the numbers" +
+                         (found->above > 0 ? "; the " + (found->above > 1 ? std::to_string(found->above) + " lines" : std::string("line")) + " above them " +
+                                                 (found->above > 1 ? "were" : "was") + " skipped"
+                                           : ""));
+  return true;
 }
 
 void CsvParser::keep_above(std::string_view line) {

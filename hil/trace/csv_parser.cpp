@@ -11,6 +11,7 @@
 #include "hil/trace/csv_preamble.h"
 #include "hil/trace/date_time.h"
 #include "hil/trace/decimal.h"
+#include "hil/trace/labelled_cells.h"
 
 namespace forcegate {
 namespace {
@@ -83,8 +84,11 @@ Result<void> CsvParser::feed(std::string_view chunk, bool last_line_is_cut) {
     started_ = true;
     FORCEGATE_CHECK_OK(check_kind(chunk));
     if (chunk.starts_with("\xEF\xBB\xBF")) p += 3;
-    skip_preamble(p, end);
-    words_below_names_ = lines_of_words_below_names({p, static_cast<std::size_t>(end - p)});
+    FORCEGATE_TRY(const bool labelled, take_labels(p, end));
+    if (!labelled) {
+      skip_preamble(p, end);
+      words_below_names_ = lines_of_words_below_names({p, static_cast<std::size_t>(end - p)});
+    }
   }
   if (!last_line_is_cut) return lines(p, end, false);
   const void* const before = p < end - 1 ? ::memrchr(p, '\n', static_cast<std::size_t>(end - 1 - p)) : nullptr;
@@ -135,8 +139,13 @@ Unexpected CsvParser::error(std::string text, std::size_t column, std::string hi
               name_ + ":" + std::to_string(line_) + ":" + std::to_string(column), std::move(hint));
 }
 
-Result<void> CsvParser::slow_row(std::string_view line, bool cut_short) {
+void CsvParser::cut(std::string_view line) {
   cut_cells(line, separator_, cells_);
+  for (std::size_t c = 0; c < std::min(cells_.size(), labels_.size()); ++c) cells_[c] = behind_label(cells_[c], labels_[c]);
+}
+
+Result<void> CsvParser::slow_row(std::string_view line, bool cut_short) {
+  cut(line);
   for (std::size_t k = 0; k < trailing_ && cells_.size() > row_.size() && trim(cells_.back()).empty(); ++k)
     cells_.pop_back();
   if (cells_.size() == row_.size() + 1 && trim(cells_.back()).empty()) cells_.pop_back();
@@ -220,7 +229,7 @@ void CsvParser::read_word(std::size_t c, CsvCell kind) {
 }
 
 void CsvParser::drop_cut_row(std::string_view line) {
-  cut_cells(line, separator_, cells_);
+  cut(line);
   const std::size_t c = row_.size() - 1, rows = table_.rows();
   if (cells_.size() <= c || is_text_[c] || rows < 2) return;
   std::vector<double>& values = table_.columns[c].value;
