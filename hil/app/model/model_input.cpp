@@ -65,6 +65,28 @@ std::string mapped_away(const std::vector<std::string>& words, const std::string
   return {};
 }
 
+// One record without numbers among others is left out; where all are, the column says nothing, which is no word on force or output.
+Result<void> check_holds_numbers(const Campaign& campaign) {
+  for (const auto& [name, what] : {std::pair{"F_ref", "the force"}, std::pair{"U", "the output"}}) {
+    const auto holds_none = [&](const Record& record) {
+      const Channel* channel = record.trace.find(name);
+      return channel != nullptr && std::ranges::none_of(channel->value, [](double v) { return std::isfinite(v); });
+    };
+    if (campaign.records.empty() || !std::ranges::all_of(campaign.records, holds_none)) continue;
+    const Record& first = campaign.records.front();
+    const std::string header = written_header(*first.trace.find(name), first.headers);
+    const std::size_t others = campaign.records.size() - 1;
+    return fail(ErrorCode::parse,
+                "column \"" + header + "\" holds no number in any of " + std::to_string(first.trace.size()) + " rows, and it is " + what +
+                    (others > 0 ? fmt::format(", as in {} other record{}", others, others > 1 ? "s" : "") : ""),
+                first.place_of_header(),
+                "is the instrument connected, and was its column exported? --map NAME=" + std::string(name == std::string_view("U") ? "U_V" : "F_ref_N") +
+                    " names another column" +
+                    (name == std::string_view("U") ? "" : "; --map " + shell_quoted(header + "=unused") + " leaves it out, and of an output alone forcegate diagnose tells the drift"));
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<Campaign> load_recordings(const CampaignRequest& request) {
@@ -73,6 +95,7 @@ Result<Campaign> load_recordings(const CampaignRequest& request) {
   options.threads = request.threads;
   FORCEGATE_TRY(options.column_map, parse_column_map(request.maps));
   FORCEGATE_TRY(Campaign campaign, read_campaign(request.campaign, options));
+  FORCEGATE_CHECK_OK(check_holds_numbers(campaign));
   if (!request.divider.empty()) {
     FORCEGATE_TRY(const Divider divider, parse_divider(request.divider));
     FORCEGATE_CHECK_OK(read_divider(campaign, divider));

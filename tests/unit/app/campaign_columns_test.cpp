@@ -107,6 +107,18 @@ TEST_F(CampaignColumns, TwoLoggersInOneTableAreReadAtTheSlowerOne) {
   for (std::size_t i = 1; i + 1 < F.size(); ++i) EXPECT_NEAR(U[i], 0.5 * F[i], 1e-3);
 }
 
+TEST_F(CampaignColumns, AForceOrAnOutputWithoutANumberIsAnErrorAndNoForceThatStandsStill) {
+  for (const auto& [header, name] : {std::pair{"t_s,Kraft (N),U_V\n", "Kraft (N)"}, std::pair{"t_s,U_V,F_ref_N\n", "U_V"}}) {
+    std::string text = header;
+    for (int i = 0; i < 40; ++i) text += std::to_string(i) + (i % 2 == 0 ? ",NaN,0.5\n" : ",,0.6\n");
+    const auto campaign = load_recordings(put(text));
+    ASSERT_FALSE(campaign) << header;
+    EXPECT_THAT(campaign.error().text, HasSubstr("column \"" + std::string(name) + "\" holds no number in any of 40 rows"));
+    EXPECT_THAT(campaign.error().where, EndsWith("run.csv:1"));
+    EXPECT_THAT(campaign.error().hint, HasSubstr("names another column"));
+  }
+}
+
 TEST_F(CampaignColumns, DaysThatWereTakenForSecondsAreToldWhereTheRecordIsTooShort) {
   for (const double first : {46347.4, 0.4}) {
     std::string text = "Time,F_ref_N,U_V\n";
