@@ -32,14 +32,16 @@ Result<Model> load_model(const std::string& name) {
   return model;
 }
 
+std::string note_of_another_unit(const Model& model, const Campaign& campaign) {
+  return fmt::format("the model takes an output in {}, and these records hold it in {}: what the file says as written means nothing here, only what is refitted does",
+                     model.output_unit, output_unit(campaign));
+}
+
 Result<Model> load_model(const CampaignRequest& request, Campaign& campaign) {
   if (!request.model.empty()) {
     FORCEGATE_TRY(Model model, load_model(request.model));
     const std::vector<std::string> known = library_model_names();
-    if (const std::string unit = output_unit(campaign); unit != model.output_unit && std::ranges::find(known, request.model) == known.end())
-      campaign.notes.push_back(fmt::format(
-          "the model takes an output in {}, and these records hold it in {}: what the file says as written means nothing here, only what is refitted does",
-          model.output_unit, unit));
+    if (output_unit(campaign) != model.output_unit && std::ranges::find(known, request.model) == known.end()) campaign.notes.push_back(note_of_another_unit(model, campaign));
     return model;
   }
   const std::string name = library_model_of(campaign.sensor);
