@@ -32,6 +32,7 @@ constexpr std::array kTable = {
     Row{"kgf", "N", "force", 9.80665, 0},
     Row{"kg", "N", "force", 9.80665, 0},  // what a weight or a cell of a balance is labelled with
     Row{"lbf", "N", "force", 4.4482216152605, 0},
+    Row{"ozf", "N", "force", 0.27801385095378125, 0},
     Row{"V", "V", "voltage", 1, 0},
     Row{"mV", "V", "voltage", 1e-3, 0},
     Row{"uV", "V", "voltage", 1e-6, 0},
@@ -84,7 +85,8 @@ struct Word {
 constexpr std::array kWords = {
     Word{"sec", "s"},           Word{"second", "s"},       Word{"msec", "ms"},      Word{"millisecond", "ms"}, Word{"usec", "us"},
     Word{"microsecond", "us"},  Word{"minute", "min"},     Word{"hour", "h"},       Word{"newton", "N"},       Word{"millinewton", "mN"},
-    Word{"kilonewton", "kN"},   Word{"lb", "lbf"},         Word{"gram", "gf"},         Word{"volt", "V"},       Word{"millivolt", "mV"},   Word{"microvolt", "uV"},
+    Word{"kilonewton", "kN"},   Word{"lb", "lbf"},         Word{"lbf", "lbf"},       Word{"ozf", "ozf"},        Word{"kgf", "kgf"},
+    Word{"gf", "gf"},           Word{"gram", "gf"},         Word{"volt", "V"},       Word{"millivolt", "mV"},   Word{"microvolt", "uV"},
 };
 
 bool is_word(std::string_view symbol, std::string_view word) {
@@ -108,10 +110,10 @@ std::optional<Unit> find_unit(std::string_view symbol) {
     if (symbol.ends_with(ohm)) return find_unit(std::string(symbol.substr(0, symbol.size() - ohm.size())) + "ohm");
   for (const std::string_view percent : {"%", "%RH", "% RH", "percent"})
     if (symbol == percent) return find_unit("pct");
-  for (const Word& word : kWords)
-    if (is_word(symbol, word.text)) return find_unit(word.symbol);
   for (const Row& row : kTable)
     if (symbol == row.symbol) return Unit{row.symbol, row.canonical, row.quantity, row.factor, row.offset};
+  for (const Word& word : kWords)
+    if (is_word(symbol, word.text)) return find_unit(word.symbol);
   return std::nullopt;
 }
 

@@ -9,6 +9,7 @@
 #include <mutex>
 
 #include "hil/base/parallel.h"
+#include "hil/base/text.h"
 #include "hil/gate/statistics.h"
 
 namespace forcegate::characterize {
@@ -58,7 +59,38 @@ bool measured_once(const StudyPlan& plan, const SensorStudy& study, const std::s
   return !plan.once.empty() && std::ranges::none_of(study.sheets, [&](const SessionSheet& s) { return s.session != 0 && s.find(key) != nullptr; });
 }
 
+std::vector<std::string> keys_of(const StudyPlan& plan, const std::vector<std::string>& sensors) {
+  std::vector<std::string> out;
+  for (const std::string& sensor : sensors)
+    for (const std::string& name : sensor == "fsr" ? plan.fsr : plan.flexiforce)
+      if (const ProcedureKind* kind = Registry<ProcedureKind>::instance().find(name))
+        for (std::string& key : kind->keys(plan, sensor))
+          if (std::ranges::find(out, key) == out.end()) out.push_back(std::move(key));
+  return out;
+}
+
+// The procedure that measures it where the plan lists that one.
+std::string measured_by(const StudyPlan& plan, const std::string& key) {
+  for (const ProcedureKind& kind : Registry<ProcedureKind>::instance().all())
+    for (const char* sensor : {"flexiforce", "fsr"})
+      if (const auto keys = kind.keys(plan, sensor); std::ranges::find(keys, key) != keys.end()) return fmt::format("{} of {}", kind.name, sensor);
+  return {};
+}
+
 }  // namespace
+
+Result<void> check_limit_keys(const StudyPlan& plan, const std::vector<std::string>& sensors) {
+  const std::vector<std::string> keys = keys_of(plan, sensors);
+  for (const StudyLimit& limit : plan.limits) {
+    if (std::ranges::find(keys, limit.key) != keys.end()) continue;
+    const std::string near = nearest_name(limit.key, keys), by = measured_by(plan, limit.key);
+    return fail(ErrorCode::config, fmt::format("no procedure that this run plays measures \"{}\", which a limit is set on", printable_utf8(limit.key)), limit.where,
+                !by.empty()     ? fmt::format("that is measured by {}: list it under [procedures] and play that sensor, or take the limit out", by)
+                : !near.empty() ? fmt::format("did you mean \"{}\"? forcegate characterize --help names every key", near)
+                                : "the procedures of this run measure " + join(keys, ", "));
+  }
+  return {};
+}
 
 void summarise(SensorStudy& study, const StudyPlan& plan) {
   std::vector<std::string> seen;

@@ -62,6 +62,10 @@ struct LimitResult {
   bool kept = false;  ///< every session measured it and kept it; nothing measured is not kept
 };
 
+/// Before anything is played. Errors: config, with the place in the plan, for a limit whose key none of the procedures that the plan lists for
+/// `sensors` measures.
+Result<void> check_limit_keys(const StudyPlan& plan, const std::vector<std::string>& sensors);
+
 /// Limits whose key the sensor's procedures measure; a key that no sensor measures is not kept. A session that failed
 /// counts as outside.
 std::vector<LimitResult> check_limits(const std::vector<SensorStudy>& studies, const StudyPlan& plan);

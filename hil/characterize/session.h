@@ -81,12 +81,19 @@ class Session {
   SessionSheet sheet;
 };
 
+/// Keys of what a procedure measures on "flexiforce" or "fsr" in a session of a plan: what a limit can be set on.
+using KeysOfProcedure = std::function<std::vector<std::string>(const StudyPlan&, std::string_view sensor)>;
+inline KeysOfProcedure always(std::vector<std::string> keys) {
+  return [keys = std::move(keys)](const StudyPlan&, std::string_view) { return keys; };
+}
+
 /// A procedure of the paper: one file each in procedures/.
 struct ProcedureKind {
   std::string name;  ///< as the plan lists it
   std::string doc;   ///< what it plays and measures, and where the paper says so
   bool needs_calibration = true;
   std::function<Result<void>(Session&)> run;
+  KeysOfProcedure keys = always({});
 };
 
 /// All listed procedures in their order, those of StudyPlan::once only in session 0. Never fails: see

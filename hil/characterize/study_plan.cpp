@@ -96,6 +96,7 @@ Result<void> read_limit(const ConfigNode& node, StudyPlan& plan) {
   r.text("source", limit.source, ConfigReader::required);
   if (r.good() && !low && !high) r.complain(node, "a limit needs minimum or maximum");
   FORCEGATE_CHECK_OK(r.finish());
+  if (const ConfigNode* key = node.find("key"); key != nullptr) limit.where = key->where;
   plan.limits.push_back(std::move(limit));
   return {};
 }

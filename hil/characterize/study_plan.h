@@ -22,6 +22,7 @@ struct StudyLimit {
   double minimum = -std::numeric_limits<double>::infinity(),
          maximum = std::numeric_limits<double>::infinity();
   std::string source;  ///< whose bound it is
+  std::string where = {};  ///< file:line:column of its key
 };
 
 struct StudyPlan {

@@ -100,6 +100,7 @@ struct Command {
   std::function<std::string()>
       details{};  ///< text of --help that is only known at run time (lists of plug-ins)
   std::vector<int> exit_codes = {kExitSuccess, kExitUsage};  ///< those it can give, for --help
+  std::string reject_text{};  ///< of exit code 1 in --help, where the verb judges no firmware
   bool hidden = false;                                       ///< not in overview and completion ("worker")
   /// Exit code, or an Error that is printed (text or JSON) and mapped by exit_code_of.
   std::function<Result<int>(const Invocation&)> run{};

@@ -40,9 +40,9 @@ std::string options_block(const std::vector<Option>& options) {
   return out;
 }
 
-std::string exit_code_block(const std::vector<int>& codes) {
+std::string exit_code_block(const std::vector<int>& codes, const std::string& reject_text) {
   std::string out;
-  for (const int code : codes) out += row(fmt::format("{:>3}", code), exit_code_text(code), 8);
+  for (const int code : codes) out += row(fmt::format("{:>3}", code), code == kExitReject && !reject_text.empty() ? reject_text : exit_code_text(code), 8);
   return out;
 }
 
@@ -135,7 +135,7 @@ std::string overview_text(const std::vector<Command>& table, const Console& cons
   }
   out +=
       "\n" + console.paint(Paint::strong, "Options of every verb:") + "\n" + options_block(global_options());
-  out += "\n" + console.paint(Paint::strong, "Exit codes:") + "\n" + exit_code_block(exit_codes());
+  out += "\n" + console.paint(Paint::strong, "Exit codes:") + "\n" + exit_code_block(exit_codes(), "");
   out += "\n\"forcegate VERB --help\" teaches one verb; \"forcegate doctor\" says what this machine lacks.\n";
   return out;
 }
@@ -158,7 +158,7 @@ std::string command_text(const Command& command, const Console& console) {
     out += "\n" + console.paint(Paint::strong, "Examples:") + "\n";
     for (const Example& e : command.examples) out += wrapped(e.doc, 2) + "    " + e.command + "\n";
   }
-  out += "\n" + console.paint(Paint::strong, "Exit codes:") + "\n" + exit_code_block(exit_codes_of(command));
+  out += "\n" + console.paint(Paint::strong, "Exit codes:") + "\n" + exit_code_block(exit_codes_of(command), command.reject_text);
   return out;
 }
 

@@ -27,9 +27,9 @@ Json options_json(const std::vector<Option>& options) {
   return out;
 }
 
-Json exit_codes_json(const std::vector<int>& codes) {
+Json exit_codes_json(const std::vector<int>& codes, const std::string& reject_text = {}) {
   Json out = Json::object();
-  for (const int code : codes) out[std::to_string(code)] = exit_code_text(code);
+  for (const int code : codes) out[std::to_string(code)] = code == kExitReject && !reject_text.empty() ? reject_text : exit_code_text(code);
   return out;
 }
 
@@ -60,7 +60,7 @@ std::string command_json(const Command& command) {
               {"options", options_json(command.options)},
               {"options_of_every_verb", options_json(global_options())},
               {"examples", examples},
-              {"exit_codes", exit_codes_json(exit_codes_of(command))}};
+              {"exit_codes", exit_codes_json(exit_codes_of(command), command.reject_text)}};
   if (command.details) out["details"] = command.details();
   return out.dump(2) + "\n";
 }

@@ -116,13 +116,18 @@ class InputJudge {
       charged_ = true;
       checks_.final_check(
           "safety_stop", "No safety stop", Verdict::fail, Blame::firmware,
-          out_.safety_text + "; motor, spring witness and link are sound and the firmware had left the ATI");
+          no_number_before(s.t_s) ? fmt::format("the firmware answers no number (NaN or infinite) from {:.1f} s on; {}; motor, spring witness and link are sound",
+                                                record_.output.first_not_finite_s, out_.safety_text)
+                                  : out_.safety_text + "; motor, spring witness and link are sound and the firmware had left the ATI");
     } else {
       out_.safety_cause_decided = false;
       checks_.final_check("safety_stop", "No safety stop", Verdict::inconclusive, Blame::rig,
                           out_.safety_text + "; the cause is not decided");
     }
   }
+
+  // What makes a command no number is told before the stop that it makes.
+  bool no_number_before(double t_s) const { return record_.output.not_finite > 0 && record_.output.first_not_finite_s <= t_s; }
 
   void coverage() {
     const double expected = static_cast<double>(record_.expected_samples);

@@ -171,8 +171,8 @@ Unexpected wrong_rate(double image_Hz, double session_Hz, const std::string& whe
                            : a_thousand(session_Hz / image_Hz) ? "where the clock of the recording, read as milliseconds, counts seconds: --map COLUMN=t_s; else "
                                                                : "";
   return fail(ErrorCode::config, "the image runs at " + shortest(image_Hz) + " Hz, what it is to follow at " + shortest(session_Hz) + " Hz", where,
-              unit + "play or record at " + shortest(image_Hz) + " Hz (forcegate record --rate " + shortest(image_Hz) + "), or build the image for " +
-                  shortest(session_Hz) + " Hz");
+              unit + "gate it on a recording at " + shortest(image_Hz) + " Hz (forcegate record --rate " + shortest(image_Hz) +
+                  " makes one, gate --record plays it) or on a bench whose board samples so, or build the image for " + shortest(session_Hz) + " Hz");
 }
 
 Result<void> check_echo(const DutEcho& echo, const DutSession& session, const std::string& who, const std::string& where) {

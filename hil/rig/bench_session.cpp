@@ -69,6 +69,7 @@ Result<void> BenchSession::open() {
   open_ = true;
   ticks_.clear();
   late_ticks_ = 0;
+  late_time_s_ = last_tick_s_ = slowest_call_s_ = 0.0;
   return {};
 }
 
@@ -158,6 +159,8 @@ std::map<std::string, std::string> BenchSession::details() const {
   if (ticks_.ticks() > 0) {
     out["late ticks"] = ticks_.to_text();
     out[kLateTickShare] = fmt::format("{:.6f}", static_cast<double>(late_ticks_) / static_cast<double>(ticks_.ticks()));
+    if (const double ran_s = last_tick_s_ - first_tick_s_; late_time_s_ > 0.0 && ran_s > 0.0) out[kLateTimeShare] = fmt::format("{:.6f}", std::min(1.0, late_time_s_ / ran_s));
+    if (slowest_call_s_ > bench_.limits.reference_stale_s) out[kSlowestCall] = fmt::format("{} took {:.3f} s", slowest_call_, slowest_call_s_);
   }
   if (ticks_.ticks() > 0 && !bench_.twins) out["real time"] = real_time_.text();
   return out;

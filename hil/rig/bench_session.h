@@ -1,6 +1,7 @@
 #pragma once
 // The instruments of one bench, opened together and made safe together. Nothing moves before arm().
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <string>
@@ -44,9 +45,24 @@ class BenchSession {
   /// How late the harness came back from a wait that was to end at due_s (bench time).
   void ticked(double due_s) {
     if (world_->is_virtual()) return;
-    const double late_s = world_->now_s() - due_s;
+    const double now_s = world_->now_s(), late_s = now_s - due_s;
     ticks_.add(late_s);
-    if (late_s > bench_.limits.reference_stale_s) ++late_ticks_;
+    if (ticks_.ticks() == 1) first_tick_s_ = due_s;
+    if (late_s > bench_.limits.reference_stale_s) {
+      ++late_ticks_;
+      late_time_s_ += now_s - std::max(due_s, last_tick_s_);  // what is caught up with was late once
+    }
+    last_tick_s_ = now_s;
+  }
+  /// How long an instrument took to answer, for who asks what held the loop up.
+  template <class Call>
+  auto timed(const char* what, Call call) {
+    const double before_s = world_->now_s();
+    auto result = call();
+    const double now_s = world_->now_s(), took_s = now_s - before_s;
+    if (took_s > slowest_call_s_) slowest_call_s_ = took_s, slowest_call_ = what;
+    if (took_s > bench_.limits.reference_stale_s && !world_->is_virtual()) late_time_s_ += took_s, last_tick_s_ = now_s;
+    return result;
   }
   MotorDrive& motor() { return *motor_; }
   ReferenceSensor& reference() { return *reference_; }
@@ -71,6 +87,8 @@ class BenchSession {
   Lease lease_;
   TickHistogram ticks_;
   std::uint64_t late_ticks_ = 0;  ///< later than a reading of the reference counts
+  double late_time_s_ = 0.0, first_tick_s_ = 0.0, last_tick_s_ = 0.0, slowest_call_s_ = 0.0;
+  const char* slowest_call_ = "";
   RealTime real_time_;
   bool open_ = false, armed_ = false;
   std::map<std::string, DeviceIdentity> identity_;

@@ -35,6 +35,11 @@ struct SelfCheckLimits {
 /// Of RigInfo::details, a number: share of the harness's ticks that came later than a reading of the reference counts. Readings
 /// that are missing in no more than that share of the rows are not the reference's: nobody asked for them in time.
 inline constexpr const char* kLateTickShare = "share of ticks later than a reading counts";
+/// The same of the time of the record: one call of a second holds up a hundred ticks' worth of readings.
+inline constexpr const char* kLateTimeShare = "share of the time later than a reading counts";
+/// Of RigInfo::details: what held the harness up longest, where that is longer than a reading of the reference counts.
+inline constexpr const char* kSlowestCall = "slowest call";
+inline constexpr const char* kCallOfReference = "polling the ATI";  ///< one that is slow itself is not excused by it
 
 /// Ids: rig_samples, rig_clock, rig_reference_identity, rig_reference_zero, rig_reference_valid, rig_reference_noise,
 /// rig_reference_alive, rig_motor, rig_following, rig_reference_lag, rig_spring_witness, rig_spring_slope,

@@ -89,19 +89,28 @@ bool may_count_days(const std::vector<double>& stamps) {
   return step > 0.0 && step < kApart_days;
 }
 
-bool count_on(std::vector<double>& stamps) {
-  constexpr double kTurn = 4294967296.0, kSteps = 100.0;
+namespace {
+
+/// Of whole numbers below `turn` those behind one; `longest`: the step across it, at most.
+bool count_on(std::vector<double>& stamps, double turn, double longest) {
   for (std::size_t i = 0; i < stamps.size(); ++i)
-    if (std::isfinite(stamps[i]) && !(stamps[i] >= 0.0 && stamps[i] < kTurn && stamps[i] == std::floor(stamps[i]))) return false;
-  const double longest = kSteps * typical_step(stamps);
+    if (std::isfinite(stamps[i]) && !(stamps[i] >= 0.0 && stamps[i] < turn && stamps[i] == std::floor(stamps[i]))) return false;
   double before = 0.0, turns = 0.0;
   for (double& t : stamps) {
     if (!std::isfinite(t)) continue;
-    if (before - t > 0.5 * kTurn && t + kTurn - before <= longest) turns += 1.0;
+    if (before - t > 0.5 * turn && t + turn - before <= longest) turns += 1.0;
     before = t;
-    t += turns * kTurn;
+    t += turns * turn;
   }
   return turns > 0.0;
+}
+
+}  // namespace
+
+int count_on(std::vector<double>& stamps) {
+  constexpr double kFewSteps = 2.0, kSteps = 100.0;  // in 16 bits a recording that begins anew is easily taken for one that goes on
+  const double step = typical_step(stamps);
+  return count_on(stamps, 65536.0, kFewSteps * step) ? 16 : count_on(stamps, 4294967296.0, kSteps * step) ? 32 : 0;
 }
 
 }  // namespace forcegate

@@ -22,8 +22,8 @@ Result<ClockUnit> unit_of_clock(const std::vector<double>& stamps, const std::st
 /// Whether a spreadsheet would show every one of the numbers as a date between 2000 and 2100, and they lie less than a thousandth of a day apart.
 bool may_count_days(const std::vector<double>& stamps);
 
-/// A counter of 32 bits begins anew behind 2^32 - 1 (micros() after 71.6 minutes, millis() after 49.7 days): whole numbers that fall from there to 0 within
-/// 100 typical steps are counted on. False, and nothing changed, where there is no such fall.
-bool count_on(std::vector<double>& stamps);
+/// A counter of 32 bits begins anew behind 2^32 - 1 (micros() after 71.6 minutes, millis() after 49.7 days), one of 16 bits behind 65535: whole numbers
+/// that fall from there to 0 within 100 typical steps (2 of 16 bits) are counted on. Returns the bits; 0, and nothing changed, where there is no such fall.
+int count_on(std::vector<double>& stamps);
 
 }  // namespace forcegate

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 
 #include "hil/base/plain_number.h"
@@ -43,6 +44,12 @@ bool has_word(std::string_view name, const std::array<const char*, N>& words) {
 // "ADC code", "Lectura_ADC", "raw": a number of a converter by one word of the name.
 bool is_called_code(std::string_view name) { return has_word(name, std::array{"adc", "code", "codes", "count", "counts", "lsb", "raw", "digits"}); }
 
+// "A0" to "A15": an analog pin of an Arduino, whose reading is whole.
+bool is_reading_of_pin(const Channel& c) {
+  const bool pin = c.name.size() > 1 && c.name.size() < 4 && c.name[0] == 'A' && c.name.find_first_not_of("0123456789", 1) == std::string::npos;
+  return pin && std::ranges::all_of(c.value, [](double v) { return std::isnan(v) || (v >= 0.0 && v == std::floor(v)); });
+}
+
 bool is_called_load_cell(std::string_view name) { return has_word(name, std::array{"hx711", "load", "loadcell", "cell", "force", "scale", "weight"}); }
 
 // What a cell is multiplied by, after its reading at zero is taken off.
@@ -66,6 +73,13 @@ std::optional<Scale> scale_of(std::string_view to) {
   const std::size_t second = numbers.find(':');
   const std::optional<double> factor = factor_of(numbers.substr(0, second)), zero = second == std::string_view::npos ? 0.0 : read_number(numbers.substr(second + 1));
   return factor && zero ? std::optional(Scale{*factor, *zero}) : std::nullopt;
+}
+
+std::vector<const Channel*> columns_left(const Trace& trace) {
+  std::vector<const Channel*> out;
+  for (const Channel& c : trace.channels)
+    if (known_channel(c.name) == nullptr) out.push_back(&c);
+  return out;
 }
 
 std::string name_of_target(const std::string& to) { return to.substr(0, to.find(':')); }
@@ -181,7 +195,7 @@ std::string column_map_advice(const Trace& trace, std::string_view name, std::st
   if (wanted == "U")
     for (const Channel& c : trace.channels) {
       if (!c.unit.empty() || known_channel(c.name) != nullptr) continue;
-      if (is_called_code(c.name)) return "--map " + shell_quoted(header(c) + "=U_counts") + " where it holds codes of a converter";
+      if (is_called_code(c.name) || is_reading_of_pin(c)) return "--map " + shell_quoted(header(c) + "=U_counts") + " where it holds codes of a converter";
       if (c.name.find('/') != std::string::npos)
         return "--map " + shell_quoted(header(c) + "=U_V") + " where it is a ratio: wherever V stands, parts of the supply are meant";
     }
@@ -194,7 +208,15 @@ std::string column_map_advice(const Trace& trace, std::string_view name, std::st
       if (of_quantity.size() > 1)
         return "--map " + shell_quoted(header(*of_quantity.back()) + "=unused") + " where " + header(*of_quantity.front()) + " is the sensor";
     }
-  return "--map NAME=" + wanted + "_" + std::string(unit);
+  const std::string any = "--map NAME=" + wanted + "_" + std::string(unit);
+  const std::vector<const Channel*> free = columns_left(trace);
+  return free.size() == 1 ? any + ", where \"" + header(*free.front()) + "\" is the only column left" : any;
+}
+
+std::string no_column_left_advice(const Trace& trace) {
+  if (!columns_left(trace).empty()) return {};
+  return "the file has no column left for it: force and output must stand in one table on one clock. What two loggers wrote goes into one file with one "
+         "column of time, the rows in its order and a cell empty where the other logger took no sample (docs/campaign.md, \"Two loggers\")";
 }
 
 }  // namespace forcegate

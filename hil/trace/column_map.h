@@ -42,4 +42,7 @@ std::string written_header(const Channel& channel, const std::map<std::string, s
 /// "--map kgf=F_ref_kgf": what to write where no column is `name` (in `unit`), with the likeliest column.
 std::string column_map_advice(const Trace& trace, std::string_view name, std::string_view unit, const std::map<std::string, std::string>& headers = {});
 
+/// What to do where a force or output is missing and every column is something else already; "" where one is left.
+std::string no_column_left_advice(const Trace& trace);
+
 }  // namespace forcegate

@@ -89,6 +89,15 @@ std::optional<NamedColumn> split_bracket(std::string_view header) {
   return NamedColumn{identifier(header.substr(0, open)), *unit};
 }
 
+/// "Kraft in N", as a person writes it.
+std::optional<NamedColumn> split_word_in(std::string_view header) {
+  header = trim(header);
+  const std::size_t at = header.rfind(" in ");
+  if (at == std::string_view::npos || at == 0) return std::nullopt;
+  const auto unit = find_unit(trim(header.substr(at + 4)));
+  return unit ? std::optional(NamedColumn{identifier(header.substr(0, at)), *unit}) : std::nullopt;
+}
+
 /// "Temperature °C": only where the name before the blank has that quantity, for a last word may be part of a name.
 std::optional<NamedColumn> split_last_word(std::string_view header) {
   header = trim(header);
@@ -108,6 +117,7 @@ ColumnMeaning meaning_of(std::string_view header) {
   ColumnMeaning out;
   auto named = split_bracket(header);
   if (!named) named = split_unit_suffix(trim(header));
+  if (!named) named = split_word_in(header);
   if (!named) named = split_last_word(header);
   if (!named) named = grams_of_force(trim(header));
   if (!named || named->unit.quantity != "time")

@@ -243,8 +243,8 @@ Result<TraceFile> trace_of_table(CsvTable table, const std::string& where, const
   add_dates(table.text_columns, clock_column < table.columns.size() ? &table.columns[clock_column] : nullptr, unused_texts(table, options, out), out.notes);
   FORCEGATE_CHECK_OK(check_text_columns(table, where, options));
   FORCEGATE_CHECK_OK(settle_unit_of_clock(table, clock_column, meanings, where, options, out.notes));
-  if (clock_column < table.columns.size() && count_on(table.columns[clock_column].value))
-    out.notes.push_back("the clock \"" + table.columns[clock_column].header + "\" passes 2^32, where a counter of 32 bits begins anew; counted on");
+  if (const int bits = clock_column < table.columns.size() ? count_on(table.columns[clock_column].value) : 0; bits > 0)
+    out.notes.push_back("the clock \"" + table.columns[clock_column].header + "\" passes 2^" + std::to_string(bits) + ", where a counter of " + std::to_string(bits) + " bits begins anew; counted on");
   empty_overloads(table, clock_column, out.notes);
   convert_units(table, meanings, out.notes);
 

@@ -119,8 +119,8 @@ std::string readable(std::string_view text, std::size_t most) {
 }
 
 std::string unit_text(std::string_view cell) {
-  std::string_view symbol = trim(cell);
-  if (symbol.size() > 2 && (symbol.front() == '[' || symbol.front() == '(' || symbol.front() == '"')) symbol = symbol.substr(1, symbol.size() - 2);
+  std::string_view symbol = unquoted(cell);
+  if (symbol.size() > 2 && (symbol.front() == '[' || symbol.front() == '(')) symbol = trim(symbol.substr(1, symbol.size() - 2));
   if (symbol.starts_with("in ")) symbol = trim(symbol.substr(3));
   return header_text(symbol);
 }

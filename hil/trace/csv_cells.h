@@ -38,7 +38,7 @@ std::string header_text(std::string_view cell);
 /// The first `most` bytes of any text in the same way.
 std::string readable(std::string_view text, std::size_t most);
 
-/// What a cell of a line of units holds: "[mN]", "(mN)", "in mN" and "mN" in quotes as "mN", in UTF-8 as header_text.
+/// What a cell of a line of units holds: "[mN]", "(mN)", "in mN" as "mN", each also in quotes, in UTF-8 as header_text.
 std::string unit_text(std::string_view cell);
 
 /// "hh:mm:ss", "TT.MM.JJJJ hh:mm": how a program tells of its stamps where others have a unit.

@@ -14,6 +14,8 @@
 #include "hil/trace/csv_parser.h"
 #include "hil/trace/csv_preamble.h"
 #include "hil/trace/date_time.h"
+#include "hil/trace/labelled_cells.h"
+#include "hil/trace/missing_count.h"
 
 namespace forcegate {
 namespace {
@@ -67,18 +69,35 @@ Result<void> CsvParser::check_kind(std::string_view chunk) const {
   return {};
 }
 
-void CsvParser::skip_preamble(const char*& p, const char* end) {
-  const std::size_t above = lines_above_header({p, static_cast<std::size_t>(end - p)});
-  if (above == 0) return;
-  for (std::size_t i = 0; i < above; ++i) {
+void CsvParser::skip_lines(const char*& p, const char* end, std::size_t n) {
+  for (std::size_t i = 0; i < n; ++i) {
     const char* const stop = static_cast<const char*>(std::memchr(p, '\n', static_cast<std::size_t>(end - p)));
     const std::string_view line(p, static_cast<std::size_t>(stop - p));
     if (line.starts_with("Y_Unit_Label\t")) unit_labels_ = line;
     keep_above(line);
     p = stop + 1;
   }
-  line_ += above;
+  line_ += n;
+}
+
+void CsvParser::skip_preamble(const char*& p, const char* end) {
+  const std::size_t above = lines_above_header({p, static_cast<std::size_t>(end - p)});
+  if (above == 0) return;
+  skip_lines(p, end, above);
   table_.notes.push_back("the names of the columns stand in line " + std::to_string(line_ + 1) + "; what is above was skipped");
+}
+
+Result<bool> CsvParser::take_labels(const char*& p, const char* end) {
+  const auto found = labelled_lines({p, static_cast<std::size_t>(end - p)});
+  if (!found) return false;
+  skip_lines(p, end, found->above);
+  FORCEGATE_CHECK_OK(header(join(found->labels, std::string(1, found->separator))));
+  labels_ = found->labels;
+  table_.notes.push_back("the names of the columns were read from the labels before the numbers" +
+                         (found->above > 0 ? "; the " + (found->above > 1 ? std::to_string(found->above) + " lines" : std::string("line")) + " above them " +
+                                                 (found->above > 1 ? "were" : "was") + " skipped"
+                                           : ""));
+  return true;
 }
 
 void CsvParser::keep_above(std::string_view line) {
@@ -223,15 +242,31 @@ bool CsvParser::is_header_again() {
   return true;
 }
 
-bool CsvParser::has_decimal_commas() const {
-  return std::ranges::any_of(cells_, [this](std::string_view cell) {
-    double value;
-    cell = unquoted(cell);
-    const std::size_t comma = cell.find(',');
-    if (comma == std::string_view::npos || read_cell(cell, ',', value) != CsvCell::number) return false;
-    // quoted beside commas that part the columns, "1,234" may be a thousand
-    return separator_ != ',' || cell.size() != comma + 4 || std::fabs(value) < 1.0;
-  });
+void CsvParser::settle_point() {
+  double value;
+  for (std::size_t c = 0; c < cells_.size() && !point_settled_; ++c) {
+    if (!has_decimal_comma(c)) continue;
+    point_ = ',';
+    point_settled_ = true;
+    table_.notes.push_back("the decimals are commas");
+  }
+  // "10:31:07.25" and "31.05.2024" tell nothing of the other columns
+  for (std::size_t c = 0; c < cells_.size() && !point_settled_; ++c)
+    point_settled_ = !is_text_[c] && cells_[c].find('.') != std::string_view::npos && read_cell(cells_[c], '.', value) == CsvCell::number &&
+                     !seconds_of_stamp(unquoted(cells_[c]));
+}
+
+bool CsvParser::has_decimal_comma(std::size_t column) const {
+  if (is_text_[column]) return false;
+  double value;
+  const std::string_view cell = unquoted(cells_[column]);
+  const std::size_t comma = cell.find(',');
+  if (comma == std::string_view::npos || read_cell(cell, ',', value) != CsvCell::number) return false;
+  if (cell.size() != comma + 4 || std::fabs(value) < 1.0) return true;
+  // "1,234" may be a thousand: quoted beside commas that part the columns, or below a number that it follows as one ("999")
+  constexpr double kThousand = 1000.0;
+  const double above = seen_data_ ? table_.columns[column].value.back() : kMissing;
+  return separator_ != ',' && !(std::fabs(kThousand * value - above) < std::fabs(value - above));
 }
 
 }  // namespace forcegate

@@ -62,7 +62,7 @@ std::string in_quotes(std::string_view text) {
   return "\"" + readable(text, kMost) + (text.size() > kMost ? "...\"" : "\"");
 }
 
-std::string hint_for_cell(std::string_view cell, char point) {
+std::string hint_for_cell(std::string_view cell, char point, bool is_settled) {
   cell = unquoted(cell);
   if (cell.find('\0') != std::string_view::npos) return "bytes of zero are no text: the file was cut or damaged there; take the line out, or export the file anew";
   if (cell.find("\xE2\x88\x92") != std::string_view::npos) return "its minus sign is the typographical one (U+2212): replace it by - throughout the file";
@@ -74,7 +74,10 @@ std::string hint_for_cell(std::string_view cell, char point) {
   if (const std::string plain = without_thousands(cell, point); !plain.empty()) {
     const bool two_ways = std::ranges::count(cell, other) == 1 && cell.find(point) == std::string_view::npos && cell.find(other) != std::string_view::npos;
     return "write " + plain + " and not " + printable_utf8(cell.substr(0, 40)) + ": nothing may part the thousands" +
-           (two_ways ? std::string(", and the decimals of this file are ") + (point == '.' ? "points" : "commas") : "");
+           (!two_ways      ? ""
+            : !is_settled  ? ", and where it is no thousand, the decimals need a point"
+            : point == '.' ? ", and the decimals of this file are points"
+                           : ", and the decimals of this file are commas");
   }
   if (read_cell(cell, other, value) == CsvCell::number)
     return std::string("the decimals of this file are ") + (point == '.' ? "points; write 1.5 and not 1,5" : "commas; write 1,5 and not 1.5");

@@ -13,8 +13,8 @@ inline constexpr std::string_view kWhichIsTheMonth = "which number is the month"
 /// The first 40 bytes, printable and in quotes.
 std::string in_quotes(std::string_view text);
 
-/// For a cell that is no number in a file whose decimals follow `point`.
-std::string hint_for_cell(std::string_view cell, char point);
+/// For a cell that is no number in a file whose decimals follow `point`; `is_settled`: a number before it told so.
+std::string hint_for_cell(std::string_view cell, char point, bool is_settled = true);
 
 /// For a line whose number of cells is not `columns`. `seen_data`: rows were read before it.
 std::string hint_for_line(const std::vector<std::string_view>& cells, std::size_t columns, char separator, bool seen_data);

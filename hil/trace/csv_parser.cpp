@@ -11,6 +11,7 @@
 #include "hil/trace/csv_preamble.h"
 #include "hil/trace/date_time.h"
 #include "hil/trace/decimal.h"
+#include "hil/trace/labelled_cells.h"
 
 namespace forcegate {
 namespace {
@@ -21,6 +22,7 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 inline const char* CsvParser::fast_row(const char* p) {
   const std::size_t n = row_.size();
+  const char* const begin = p;
   if (trailing_ > 0 || point_ == separator_) return nullptr;
   for (std::size_t c = 0; c < n; ++c) {
     if (is_text_[c]) return nullptr;
@@ -33,6 +35,7 @@ inline const char* CsvParser::fast_row(const char* p) {
   }
   if (*p == '\r') ++p;
   if (*p != '\n') return nullptr;
+  if (!point_settled_) point_settled_ = std::memchr(begin, '.', static_cast<std::size_t>(p - begin)) != nullptr;
   for (std::size_t c = 0; c < n; ++c) table_.columns[c].value.push_back(row_[c]);
   return p + 1;
 }
@@ -81,8 +84,11 @@ Result<void> CsvParser::feed(std::string_view chunk, bool last_line_is_cut) {
     started_ = true;
     FORCEGATE_CHECK_OK(check_kind(chunk));
     if (chunk.starts_with("\xEF\xBB\xBF")) p += 3;
-    skip_preamble(p, end);
-    words_below_names_ = lines_of_words_below_names({p, static_cast<std::size_t>(end - p)});
+    FORCEGATE_TRY(const bool labelled, take_labels(p, end));
+    if (!labelled) {
+      skip_preamble(p, end);
+      words_below_names_ = lines_of_words_below_names({p, static_cast<std::size_t>(end - p)});
+    }
   }
   if (!last_line_is_cut) return lines(p, end, false);
   const void* const before = p < end - 1 ? ::memrchr(p, '\n', static_cast<std::size_t>(end - 1 - p)) : nullptr;
@@ -133,8 +139,13 @@ Unexpected CsvParser::error(std::string text, std::size_t column, std::string hi
               name_ + ":" + std::to_string(line_) + ":" + std::to_string(column), std::move(hint));
 }
 
-Result<void> CsvParser::slow_row(std::string_view line, bool cut_short) {
+void CsvParser::cut(std::string_view line) {
   cut_cells(line, separator_, cells_);
+  for (std::size_t c = 0; c < std::min(cells_.size(), labels_.size()); ++c) cells_[c] = behind_label(cells_[c], labels_[c]);
+}
+
+Result<void> CsvParser::slow_row(std::string_view line, bool cut_short) {
+  cut(line);
   for (std::size_t k = 0; k < trailing_ && cells_.size() > row_.size() && trim(cells_.back()).empty(); ++k)
     cells_.pop_back();
   if (cells_.size() == row_.size() + 1 && trim(cells_.back()).empty()) cells_.pop_back();
@@ -142,10 +153,6 @@ Result<void> CsvParser::slow_row(std::string_view line, bool cut_short) {
   if (!seen_data_) {
     FORCEGATE_TRY(const bool units, row_of_units(line));
     if (units || row_of_oscilloscope()) return {};
-    if (point_ == '.' && has_decimal_commas()) {
-      point_ = ',';
-      table_.notes.push_back("the decimals are commas");
-    }
   }
   if (is_header_again()) return {};
   if (cells_.size() != row_.size()) {
@@ -162,6 +169,7 @@ Result<void> CsvParser::slow_row(std::string_view line, bool cut_short) {
     table_.skipped_lines.push_back(line_);
     return {};
   }
+  if (!point_settled_) settle_point();
   bool all_text = true;
   for (std::size_t c = 0; c < row_.size(); ++c) {
     const CsvCell kind = read_cell(cells_[c], point_, row_[c]);
@@ -176,7 +184,7 @@ Result<void> CsvParser::slow_row(std::string_view line, bool cut_short) {
     }
     if (kind == CsvCell::text && table_.columns[c].missing == table_.rows()) {  // nothing stood in it so far
       is_text_[c] = 1;
-      text_[c] = {table_.columns[c].header, readable(unquoted(cells_[c]), 40), hint_for_cell(cells_[c], point_), line_, position, {}, {}, {}};
+      text_[c] = {table_.columns[c].header, readable(unquoted(cells_[c]), 40), hint_for_cell(cells_[c], point_, point_settled_), line_, position, {}, {}, {}};
       is_day_[c] = table_.rows() == 0;  // a remark may be a date too
       read_day(c, kind);
       if (table_.rows() > 0) text_[c].words = {""}, text_[c].word_of_row.assign(table_.rows(), 0);
@@ -184,14 +192,14 @@ Result<void> CsvParser::slow_row(std::string_view line, bool cut_short) {
       continue;
     }
     if (kind == CsvCell::text)
-      return error(in_quotes(unquoted(cells_[c])) + " in column " + in_quotes(table_.columns[c].header) + " is not a number", position, hint_for_cell(cells_[c], point_));
+      return error(in_quotes(unquoted(cells_[c])) + " in column " + in_quotes(table_.columns[c].header) + " is not a number", position, hint_for_cell(cells_[c], point_, point_settled_));
     ++table_.columns[c].missing;
   }
   if (all_text && !seen_data_)
     return error("no cell of the first line below the names is a number: " + in_quotes(trim(line)), 1,
-                 hint_for_cell(cells_[0], point_).starts_with("leave")
+                 hint_for_cell(cells_[0], point_, point_settled_).starts_with("leave")
                      ? "one line must name the columns, and rows of numbers stand below it"
-                     : hint_for_cell(cells_[0], point_));
+                     : hint_for_cell(cells_[0], point_, point_settled_));
   if (!seen_data_)
     for (std::size_t c = 0; c < row_.size(); ++c) table_.columns[c].dates = seconds_of_stamp(unquoted(cells_[c])).has_value();
   seen_data_ = true;
@@ -221,7 +229,7 @@ void CsvParser::read_word(std::size_t c, CsvCell kind) {
 }
 
 void CsvParser::drop_cut_row(std::string_view line) {
-  cut_cells(line, separator_, cells_);
+  cut(line);
   const std::size_t c = row_.size() - 1, rows = table_.rows();
   if (cells_.size() <= c || is_text_[c] || rows < 2) return;
   std::vector<double>& values = table_.columns[c].value;

@@ -25,6 +25,11 @@ class CsvParser {
   Result<void> lines(const char* p, const char* end, bool cut);
   Unexpected error(std::string text, std::size_t column, std::string hint) const;
   void skip_preamble(const char*& p, const char* end);
+  void skip_lines(const char*& p, const char* end, std::size_t n);
+  /// Lines of labelled_cells.h, whose labels are the names.
+  Result<bool> take_labels(const char*& p, const char* end);
+  /// Without the labels.
+  void cut(std::string_view line);
   /// For who asks what the lines above the rows say.
   void keep_above(std::string_view line);
   Result<void> check_kind(std::string_view chunk) const;
@@ -51,7 +56,9 @@ class CsvParser {
   /// A file may end without a line end, or inside its last number: the row goes where that number is not whole, or is further from the one
   /// above than any two others are ("1" of 15.2).
   void drop_cut_row(std::string_view line);
-  bool has_decimal_commas() const;
+  /// The first number that has decimals tells what parts them; whole numbers before it mean the same either way.
+  void settle_point();
+  bool has_decimal_comma(std::size_t column) const;
 
   std::string name_;
   CsvTable table_;
@@ -61,6 +68,7 @@ class CsvParser {
   std::vector<char> is_day_;  ///< a column of text whose cells are dates so far
   std::vector<TextColumn> text_;
   std::vector<std::string> names_;  ///< without units of a second line
+  std::vector<std::string> labels_;  ///< before every number; empty in other files
   std::string comment_;             ///< the last one above the header
   std::string unit_labels_;         ///< a line above the header
   std::uint64_t repeats_ = 0, first_repeat_ = 0, last_repeat_ = 0;
@@ -72,7 +80,7 @@ class CsvParser {
   double scope_start_s_ = 0.0, scope_step_s_ = 0.0;  ///< the second is 0 for all but an oscilloscope's file
   std::uint64_t line_ = 0;
   char separator_ = ',', point_ = '.';
-  bool started_ = false, has_header_ = false, seen_data_ = false;
+  bool started_ = false, has_header_ = false, seen_data_ = false, point_settled_ = false;
 };
 
 }  // namespace forcegate

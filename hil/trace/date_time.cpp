@@ -77,6 +77,18 @@ bool clock_time(Scanner& s, double& seconds, bool beside_date = false) {
   return true;
 }
 
+/// "0.01 sec" as MATLAB writes a duration; "0.01 s" may be a cell of anything.
+std::optional<double> duration_s(std::string_view text) {
+  for (const auto& [word, factor] : {std::pair{std::string_view(" sec"), 1.0}, {" min", 60.0}, {" hr", 3600.0}, {" days", 86400.0}, {" day", 86400.0}}) {
+    if (!text.ends_with(word)) continue;
+    double value = 0.0;
+    const char* const end = text.data() + text.size() - word.size();
+    if (const auto [stop, error] = std::from_chars(text.data(), end, value); stop != end || error != std::errc() || !std::isfinite(value)) return std::nullopt;
+    return factor * value;
+  }
+  return std::nullopt;
+}
+
 bool zone(Scanner& s, double& seconds) {
   if (s.at_end() || (s.one_of("Z") && s.at_end())) return true;
   int hours = 0, minutes = 0;
@@ -98,6 +110,7 @@ bool is_date(int year, int month, int day) {
 }  // namespace
 
 std::optional<double> seconds_of_stamp(std::string_view text) {
+  if (const auto duration = duration_s(text)) return duration;
   if (text.size() < 7 || text[0] < '0' || text[0] > '9') return std::nullopt;
   double seconds = 0.0;
   if (Scanner s(text); clock_time(s, seconds) && s.at_end()) return seconds;

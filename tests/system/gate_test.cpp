@@ -178,6 +178,7 @@ TEST_F(Gate, NeitherARecordingOfAnotherRateNorAWrongFileIsTheFirmwaresFault) {
   const ProcessResult slow = gate({kNative, "--record", made + "/r01_known_profile.csv", "-o", folder / "run"});
   EXPECT_EQ(slow.exit_code, 2) << slow.out;
   EXPECT_THAT(slow.err, HasSubstr("forcegate record --rate 1000"));
+  EXPECT_THAT(slow.err, HasSubstr("gate it on a recording at 1000 Hz"));
   const ProcessResult program = gate({FORCEGATE_BINARY_DIR "/forcegate", "--case", "four_sines", "-o", folder / "run"});
   EXPECT_EQ(program.exit_code, 2) << program.out;
   EXPECT_THAT(program.err, HasSubstr("no firmware image"));

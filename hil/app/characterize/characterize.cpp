@@ -141,6 +141,7 @@ Result<void> study_rig(const CharacterizeRequest& request,
     if (!(sensor == "fsr" ? out.plan.fsr : out.plan.flexiforce).empty()) study.sensors.push_back(sensor);
   if (study.sensors.empty())
     return fail(ErrorCode::usage, "the plan has no procedure for this sensor", path.string());
+  FORCEGATE_CHECK_OK(characterize::check_limit_keys(out.plan, study.sensors));
   study.make_rig = [&](const std::string& sensor) {
     auto options = request.rig_options;
     if (request.rig == "emulated") options["sensor"] = sensor;

@@ -12,26 +12,32 @@
 #include "hil/app/pictures/record_pictures.h"
 #include "hil/base/parallel.h"
 #include "hil/base/plain_number.h"
+#include "hil/base/quantile.h"
+#include "hil/base/text.h"
 #include "hil/diagnose/answer/residual_map.h"
 #include "hil/diagnose/base/own_decay.h"
 #include "hil/diagnose/laws/no_input.h"
+#include "hil/trace/column_map.h"
+#include "hil/trace/columns.h"
 
 namespace forcegate {
 
 namespace {
 
 ModelComparison::AsWritten as_written(const RecordInput& r, const std::vector<double>& U) {
-  double square = 0.0, mean = 0.0, swing = 0.0, n = 0.0;
+  double square = 0.0, mean = 0.0, of_model = 0.0, n = 0.0;
   for (std::size_t i = 0; i < r.rows(); ++i)
     if (r.ok[i] != 0) {
       square += (r.U_V[i] - U[i]) * (r.U_V[i] - U[i]);
       mean += r.U_V[i];
+      of_model += U[i];
       n += 1.0;
     }
-  mean /= std::max(n, 1.0);
+  mean /= std::max(n, 1.0), of_model /= std::max(n, 1.0);
+  double swing = 0.0, swing_of_model = 0.0;
   for (std::size_t i = 0; i < r.rows(); ++i)
-    if (r.ok[i] != 0) swing += (r.U_V[i] - mean) * (r.U_V[i] - mean);
-  return {r.name, std::sqrt(square / std::max(n, 1.0)), swing > 0.0 ? std::sqrt(square / swing) : 0.0};
+    if (r.ok[i] != 0) swing += (r.U_V[i] - mean) * (r.U_V[i] - mean), swing_of_model += (U[i] - of_model) * (U[i] - of_model);
+  return {r.name, std::sqrt(square / std::max(n, 1.0)), swing > 0.0 ? std::sqrt(square / swing) : 0.0, swing > 0.0 ? std::sqrt(swing_of_model / swing) : 1.0};
 }
 
 Result<std::vector<ModelComparison::AsWritten>> as_written(const Model& model, CampaignInput rows, unsigned threads) {
@@ -53,9 +59,38 @@ Result<std::vector<ModelComparison::AsWritten>> as_written(const Model& model, C
   return out;
 }
 
+// Counts are no volts: what the model's own numbers say of them is nothing.
+void leave_out_as_written(Campaign& campaign, const Model& model, ModelComparison& out) {
+  for (const Record& record : campaign.records) out.as_written.push_back({record.name, kMissing, kMissing, kMissing});
+  const std::string note = note_of_another_unit(model, campaign);
+  if (std::ranges::find(campaign.notes, note) == campaign.notes.end()) campaign.notes.push_back(note);
+}
+
+// Sensors of one kind differ in gain by a hundred; beyond that it is rather the unit of the force.
+std::string note_of_absurd_force(const std::vector<ModelComparison::AsWritten>& written, const std::string& header) {
+  constexpr double kMostApart = 300.0, kThousand = 1000.0;
+  std::vector<double> ratios;
+  for (const auto& a : written)
+    if (std::isfinite(a.swing) && a.swing > 0.0) ratios.push_back(a.swing);
+  if (ratios.empty()) return {};
+  const double ratio = median(std::move(ratios));
+  if (ratio < kMostApart && ratio > 1.0 / kMostApart) return {};
+  const double thousands = std::round(std::log(ratio) / std::log(kThousand));
+  const Unit unit = meaning_of(header).unit;
+  const double factor = (unit.quantity == "force" ? unit.factor : 1.0) / std::pow(kThousand, thousands);
+  return fmt::format("the model as written moves its output {} times as far as these records do: the unit of the force may be wrong, or that of the output; of the force --map {} reads {} N for each 1 in that column",
+                     plain_number(ratio), shell_quoted(header + "=F_ref_N:" + shortest(factor)), shortest(factor));
+}
+
 Result<ModelComparison> compare_recordings(const CampaignRequest& request, Campaign campaign, const Model& model, bool pictures) {
   ModelComparison out;
-  if (campaign.records.size() == 1) {  // the comparison cuts it into blocks, and the model is asked about the whole
+  const Record& first = campaign.records.front();
+  const Channel* force = first.trace.find("F_ref");
+  const std::string force_header = force != nullptr ? written_header(*force, first.headers) : "F_ref_N";
+  const bool is_comparable = output_unit(campaign) == model.output_unit;
+  if (!is_comparable) {
+    leave_out_as_written(campaign, model, out);
+  } else if (campaign.records.size() == 1) {  // the comparison cuts it into blocks, and the model is asked about the whole
     FORCEGATE_TRY(CampaignInput whole, clean_input(campaign, request.threads));
     FORCEGATE_TRY(out.as_written, as_written(model, std::move(whole), request.threads));
   }
@@ -70,9 +105,11 @@ Result<ModelComparison> compare_recordings(const CampaignRequest& request, Campa
   constexpr std::size_t kFewestOfOne = 200;  // usable rows that prepare() asks of a single recording
   const auto& records = rows.input.records;
   out.too_short = records.size() == 1 && static_cast<std::size_t>(std::ranges::count_if(records.front().ok, [](auto ok) { return ok != 0; })) < kFewestOfOne;
+  std::string of_unit = is_comparable ? note_of_absurd_force(out.as_written, force_header) : "";
   std::string of_samples = diagnose::note_of_claims(rows.raw_claims);
   FORCEGATE_TRY(std::unique_ptr<diagnose::Workspace> w, diagnose::prepare(std::move(rows), options));
   FORCEGATE_TRY(out.view, diagnose::compare_workspace(*w, options));
+  if (!of_unit.empty()) out.view.notes.push_back(std::move(of_unit));
   if (!of_samples.empty()) out.view.notes.push_back(std::move(of_samples));
   if (pictures) out.pictures = record_pictures(*w, model);
   return out;
@@ -109,12 +146,12 @@ std::string comparison_text(const ModelComparison& c) {
   for (const RecordError& r : d.records) {
     std::string written = "-";
     for (const auto& a : c.as_written)
-      if (a.record == r.record) written = plain_number(unit.factor * a.rmse_V);
+      if (a.record == r.record && std::isfinite(a.rmse_V)) written = plain_number(unit.factor * a.rmse_V);
     row(r.record, r.kind, written, plain_number(unit.factor * r.plain_before), plain_number(unit.factor * r.before),
         plain_number(unit.factor * r.floor), fmt::format("{:.0f}", 100.0 * r.explainable));
     out += r.heldout ? "  held out\n" : "\n";
   }
-  if (blocks) out += fmt::format("as written, the whole recording: {} {}\n", plain_number(unit.factor * c.as_written.front().rmse_V), unit.name);
+  if (blocks && std::isfinite(c.as_written.front().rmse_V)) out += fmt::format("as written, the whole recording: {} {}\n", plain_number(unit.factor * c.as_written.front().rmse_V), unit.name);
   out +=
       "\nas written: the file's own numbers. refitted: one law for all records. adapted: each record with its own gain, offset,\n"
       "decay and slow wander of the zero within the spread of the campaign. floor: what the instruments may leave.\n\nwhere the residual sits:\n";

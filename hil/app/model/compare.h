@@ -10,7 +10,8 @@ struct ModelComparison {
   Diagnosis view;     ///< records, maps, overlays of the refitted base; no findings
   struct AsWritten {  ///< the model file's own numbers, nothing refitted
     std::string record;
-    double rmse_V = 0.0, relative = 0.0;  ///< eq. (8); RMS over the RMS swing of U
+    double rmse_V = 0.0, relative = 0.0;  ///< eq. (8); RMS over the RMS swing of U. NaN where the model gives another unit than the record holds
+    double swing = 0.0;                   ///< RMS swing of the model's output over that of U
   };
   std::vector<AsWritten> as_written;
   RecordPictures pictures;

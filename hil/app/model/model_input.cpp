@@ -32,14 +32,16 @@ Result<Model> load_model(const std::string& name) {
   return model;
 }
 
+std::string note_of_another_unit(const Model& model, const Campaign& campaign) {
+  return fmt::format("the model takes an output in {}, and these records hold it in {}: what the file says as written means nothing here, only what is refitted does",
+                     model.output_unit, output_unit(campaign));
+}
+
 Result<Model> load_model(const CampaignRequest& request, Campaign& campaign) {
   if (!request.model.empty()) {
     FORCEGATE_TRY(Model model, load_model(request.model));
     const std::vector<std::string> known = library_model_names();
-    if (const std::string unit = output_unit(campaign); unit != model.output_unit && std::ranges::find(known, request.model) == known.end())
-      campaign.notes.push_back(fmt::format(
-          "the model takes an output in {}, and these records hold it in {}: what the file says as written means nothing here, only what is refitted does",
-          model.output_unit, unit));
+    if (output_unit(campaign) != model.output_unit && std::ranges::find(known, request.model) == known.end()) campaign.notes.push_back(note_of_another_unit(model, campaign));
     return model;
   }
   const std::string name = library_model_of(campaign.sensor);
@@ -65,6 +67,28 @@ std::string mapped_away(const std::vector<std::string>& words, const std::string
   return {};
 }
 
+// One record without numbers among others is left out; where all are, the column says nothing, which is no word on force or output.
+Result<void> check_holds_numbers(const Campaign& campaign) {
+  for (const auto& [name, what] : {std::pair{"F_ref", "the force"}, std::pair{"U", "the output"}}) {
+    const auto holds_none = [&](const Record& record) {
+      const Channel* channel = record.trace.find(name);
+      return channel != nullptr && std::ranges::none_of(channel->value, [](double v) { return std::isfinite(v); });
+    };
+    if (campaign.records.empty() || !std::ranges::all_of(campaign.records, holds_none)) continue;
+    const Record& first = campaign.records.front();
+    const std::string header = written_header(*first.trace.find(name), first.headers);
+    const std::size_t others = campaign.records.size() - 1;
+    return fail(ErrorCode::parse,
+                "column \"" + header + "\" holds no number in any of " + std::to_string(first.trace.size()) + " rows, and it is " + what +
+                    (others > 0 ? fmt::format(", as in {} other record{}", others, others > 1 ? "s" : "") : ""),
+                first.place_of_header(),
+                "is the instrument connected, and was its column exported? --map NAME=" + std::string(name == std::string_view("U") ? "U_V" : "F_ref_N") +
+                    " names another column" +
+                    (name == std::string_view("U") ? "" : "; --map " + shell_quoted(header + "=unused") + " leaves it out, and of an output alone forcegate diagnose tells the drift"));
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<Campaign> load_recordings(const CampaignRequest& request) {
@@ -73,6 +97,7 @@ Result<Campaign> load_recordings(const CampaignRequest& request) {
   options.threads = request.threads;
   FORCEGATE_TRY(options.column_map, parse_column_map(request.maps));
   FORCEGATE_TRY(Campaign campaign, read_campaign(request.campaign, options));
+  FORCEGATE_CHECK_OK(check_holds_numbers(campaign));
   if (!request.divider.empty()) {
     FORCEGATE_TRY(const Divider divider, parse_divider(request.divider));
     FORCEGATE_CHECK_OK(read_divider(campaign, divider));
@@ -114,16 +139,15 @@ Result<void> check_channels(const Campaign& campaign, const std::vector<std::str
             (c.name == "g" || c.name.ends_with("_g") || c.name.ends_with("(g)") || c.name.ends_with("[g]")) && in_grams.empty())
           in_grams = c.name;
       }
+      const std::string nothing_left = of_text.empty() ? no_column_left_advice(record.trace) : "";
       return fail(ErrorCode::parse, std::string("no column is the ") + what + ": there are " + join(columns, ", ") + of_text,
                   record.place_of_header(),
                   !away.empty() ? away
                   : of_text.find(" is a meter over its range") != std::string::npos
                       ? "empty the cells where the meter is over its range: they are missing values, or a conductance of 0"
-                  : in_grams.empty() ? "name one, for instance " + column_map_advice(record.trace, name, unit, record.headers) +
-                                           (std::string_view(name) == "F_ref" && record.trace.find("U") != nullptr
-                                                ? "; of an output alone forcegate diagnose tells the drift"
-                                                : "")
-                                     : "if " + in_grams + " is a weight in grams: --map " + shell_quoted(in_grams + "=F_ref_gf"));
+                  : !in_grams.empty() ? "if " + in_grams + " is a weight in grams: --map " + shell_quoted(in_grams + "=F_ref_gf")
+                                      : (nothing_left.empty() ? "name one, for instance " + column_map_advice(record.trace, name, unit, record.headers) : nothing_left) +
+                                            (std::string_view(name) == "F_ref" && record.trace.find("U") != nullptr ? "; of an output alone forcegate diagnose tells the drift" : ""));
     }
   return {};
 }

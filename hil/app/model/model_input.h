@@ -25,6 +25,8 @@ struct CampaignRequest {
 
 /// "": flexiforce.
 Result<Model> load_model(const std::string& name_or_file);
+/// What is told of a model whose output is in another unit than that of the records.
+std::string note_of_another_unit(const Model& model, const Campaign& campaign);
 /// The request's model, or the library's for the sensor that the campaign names; then a note of the campaign tells of any but flexiforce.
 Result<Model> load_model(const CampaignRequest& request, Campaign& campaign);
 /// The files as they are, columns mapped.

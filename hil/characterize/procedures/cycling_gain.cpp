@@ -51,9 +51,11 @@ Result<void> run_rested(Session& s) {
 }
 
 const Registration<ProcedureKind> kAfter{
-    {"cycling_gain", "Static gain after 20 min of cycling (III-D)", true, run}};
+    {"cycling_gain", "Static gain after 20 min of cycling (III-D)", true, run,
+     always({"cycling.gain"})}};
 const Registration<ProcedureKind> kRested{
-    {"gain_recovery", "Static gain after 20 min of cycling and 2 h of rest (IV-A3)", true, run_rested}};
+    {"gain_recovery", "Static gain after 20 min of cycling and 2 h of rest (IV-A3)", true, run_rested,
+     always({"cycling.gain_rested"})}};
 
 }  // namespace
 }  // namespace forcegate::characterize

@@ -20,7 +20,8 @@ Result<void> run(Session& s) {
 }
 
 const Registration<ProcedureKind> kRow{
-    {"erratic_maxima", "3.5 N +- 0.4 N at 0.5 Hz: erratic maxima of the FSR (Fig. 7)", true, run}};
+    {"erratic_maxima", "3.5 N +- 0.4 N at 0.5 Hz: erratic maxima of the FSR (Fig. 7)", true, run,
+     always({"erratic.loss", "erratic.wander", "erratic.rises"})}};
 
 }  // namespace
 }  // namespace forcegate::characterize

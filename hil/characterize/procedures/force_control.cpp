@@ -176,8 +176,20 @@ class ForceControl {
 
 Result<void> run(Session& s) { return ForceControl(s).run(); }
 
+std::vector<std::string> keys(const StudyPlan&, std::string_view sensor) {
+  std::vector<std::string> out = {"control.raw_stop", "control.raw_stopped", "control.raw_stuck"};
+  if (sensor == "fsr") {
+    out.insert(out.end(), {"control.raw_maxima", "control.raw_minima"});
+    return out;
+  }
+  out.insert(out.end(), {"identified.b", "identified.q"});
+  for (const std::string level : {"nominal", "static", "identified", "four_sines"})
+    for (const char* what : {"_maxima", "_minima", "_away"}) out.push_back("control." + level + what);
+  return out;
+}
+
 const Registration<ProcedureKind> kRow{
-    {"force_control", "Force control with and without compensation (IV-B2, Fig. 9-11)", true, run}};
+    {"force_control", "Force control with and without compensation (IV-B2, Fig. 9-11)", true, run, keys}};
 
 }  // namespace
 }  // namespace forcegate::characterize

@@ -55,7 +55,8 @@ Result<void> run(Session& s) {
 }
 
 const Registration<ProcedureKind> kRow{
-    {"frequency_jump", "0.5, 2, 3 Hz in one record: the sudden rise and the return (Fig. 8)", true, run}};
+    {"frequency_jump", "0.5, 2, 3 Hz in one record: the sudden rise and the return (Fig. 8)", true, run,
+     always({"jump.bump", "jump.second_bump", "jump.return"})}};
 
 }  // namespace
 }  // namespace forcegate::characterize

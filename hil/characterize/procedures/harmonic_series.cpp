@@ -52,7 +52,8 @@ Result<void> run(Session& s) {
 
 const Registration<ProcedureKind> kRow{
     {"harmonic_series", "The sines of Table II: decay of the maxima, eq. (3), (8) (III-C, IV-A1, Fig. 6, 13)",
-     true, run}};
+     true, run,
+     always({"harmonic.loss", "harmonic.loss_largest", "harmonic.minima_drift", "harmonic.wander", "harmonic.rising", "harmonic.fitted"})}};
 
 }  // namespace
 }  // namespace forcegate::characterize

@@ -52,7 +52,8 @@ Result<void> run(Session& s) {
 
 const Registration<ProcedureKind> kRow{
     {"repeatability", "Ten loads, each ten times: mean distance from the mean of the load (III-A, Table I)",
-     true, run}};
+     true, run,
+     always({"static.repeatability"})}};
 
 }  // namespace
 }  // namespace forcegate::characterize

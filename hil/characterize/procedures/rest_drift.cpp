@@ -26,7 +26,8 @@ Result<void> run(Session& s) {
 }
 
 const Registration<ProcedureKind> kRow{
-    {"rest_drift", "3 N at rest for 20 min: drift of the output (III-A)", true, run}};
+    {"rest_drift", "3 N at rest for 20 min: drift of the output (III-A)", true, run,
+     always({"static.drift"})}};
 
 }  // namespace
 }  // namespace forcegate::characterize

@@ -86,7 +86,8 @@ Result<void> run(Session& s) {
 
 const Registration<ProcedureKind> kRow{
     {"static_calibration",
-     "Two continuous sweeps, eq. (1), linearity and hysteresis (III-A, Table I, Fig. 4)", false, run}};
+     "Two continuous sweeps, eq. (1), linearity and hysteresis (III-A, Table I, Fig. 4)", false, run,
+     always({"static.gain", "static.offset", "static.linearity", "static.hysteresis", "static.residual"})}};
 
 }  // namespace
 }  // namespace forcegate::characterize

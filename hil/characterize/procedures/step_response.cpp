@@ -88,8 +88,8 @@ Result<void> run(Session& s) {
 }
 
 const Registration<ProcedureKind> kRow{
-    {"step_response", "A step from 1 to 4 N: time to the final value of ATI and sensor (III-B, Fig. 5)", true,
-     run}};
+    {"step_response", "A step from 1 to 4 N: time to the final value of ATI and sensor (III-B, Fig. 5)", true, run,
+     always({"step.ati", "step.sensor", "step.lag"})}};
 
 }  // namespace
 }  // namespace forcegate::characterize

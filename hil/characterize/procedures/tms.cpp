@@ -100,7 +100,8 @@ Result<void> run(Session& s) {
 }
 
 const Registration<ProcedureKind> kRow{
-    {"tms", "Robotised TMS: 1.5 N on a moving head for 20 min (V-B, Fig. 12)", true, run}};
+    {"tms", "Robotised TMS: 1.5 N on a moving head for 20 min (V-B, Fig. 12)", true, run,
+     always({"tms.contact", "tms.noise", "tms.steady", "tms.lost", "tms.duration"})}};
 
 }  // namespace
 }  // namespace forcegate::characterize

@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "hil/app/characterize/weight_study.h"
 #include "hil/base/plain_number.h"
@@ -23,9 +25,22 @@ namespace {
 std::vector<std::string> sensors() { return {"flexiforce", "fsr"}; }
 
 std::string procedures() {
-  std::string out = "Procedures a plan can list:\n";
-  for (const auto& p : Registry<characterize::ProcedureKind>::instance().all())
+  constexpr std::size_t kWidth = 100;
+  const std::string indent(23, ' ');
+  std::string out = "Procedures a plan can list, and the keys of what they measure, which a limit can be set on:\n";
+  for (const auto& p : Registry<characterize::ProcedureKind>::instance().all()) {
     out += fmt::format("  {:<20} {}\n", p.name, p.doc);
+    std::vector<std::string> keys;
+    for (const std::string& sensor : sensors())
+      for (std::string& key : p.keys({}, sensor))
+        if (std::ranges::find(keys, key) == keys.end()) keys.push_back(std::move(key));
+    std::string line;
+    for (const std::string& key : keys) {
+      if (!line.empty() && indent.size() + line.size() + key.size() + 2 > kWidth) out += indent + std::exchange(line, "") + ",\n";
+      line += (line.empty() ? "" : ", ") + key;
+    }
+    if (!line.empty()) out += indent + line + "\n";
+  }
   return out;
 }
 
@@ -239,6 +254,7 @@ const Registration<Command> kRow{Command{
                   "What my own recordings say:"}},
     .details = procedures,
     .exit_codes = {kExitSuccess, kExitReject, kExitUsage, kExitRigFault, kExitSafetyStop, kExitInterrupted},
+    .reject_text = "A sensor broke a limit of the plan; the output names the limit and the worst specimen.",
     .run = run,
 }};
 

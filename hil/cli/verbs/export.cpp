@@ -139,6 +139,7 @@ const Registration<Command> kRow{Command{
                  {"forcegate export flexiforce --c comp.h",
                   "The header of a model as it is; ci/firmware comp.h NAME builds the firmware around it:"}},
     .exit_codes = {kExitSuccess, kExitReject, kExitUsage},
+    .reject_text = "The header is written, and on the records that it was checked on it does not take back what it should; the objections are printed.",
     .run = run,
 }};
 

@@ -111,6 +111,7 @@ const Registration<Command> kRow{Command{
          {"forcegate power --seeds 59 --family-seeds 20 --panel-seeds 300 --markdown docs/power.md",
           "The page of the documentation:"}},
     .exit_codes = {kExitSuccess, kExitReject, kExitUsage, kExitInternal, kExitInterrupted},
+    .reject_text = "A bad build was not rejected as it should be, a good one was not accepted, or nothing was gated.",
     .run = run,
 }};
 

@@ -15,6 +15,7 @@
 #include "hil/rig/bench/row_assembler.h"
 #include "hil/rig/bench/swing_counter.h"
 #include "hil/rig/bench_session.h"
+#include "hil/rig/self_check.h"
 #include "hil/rig/slow_move.h"
 #include "hil/rig/specimen_log.h"
 
@@ -225,15 +226,15 @@ class BenchRig final : public Rig, public Dut {
   Result<void> look() {
     BenchWorld& world = session_->world();
     FORCEGATE_CHECK_OK(session_->beat());
-    FORCEGATE_TRY(const MotorState state, session_->motor().read());
+    FORCEGATE_TRY(const MotorState state, session_->timed("reading the drive", [&] { return session_->motor().read(); }));
     theta_rad_ = state.theta_rad;
     turns_.see(theta_rad_);
     rows_.take(state);
     samples_.clear();
-    FORCEGATE_CHECK_OK(session_->board().poll(samples_));
+    FORCEGATE_CHECK_OK(session_->timed("polling the sensor board", [&] { return session_->board().poll(samples_); }));
     for (const BoardSample& s : samples_) FORCEGATE_CHECK_OK(rows_.take(s, world.now_s()));
     fresh_.clear();
-    FORCEGATE_CHECK_OK(session_->reference().poll(fresh_));
+    FORCEGATE_CHECK_OK(session_->timed(kCallOfReference, [&] { return session_->reference().poll(fresh_); }));
     rows_.take(fresh_);
     if (!fresh_.empty()) force_N_ = static_cast<double>(fresh_.back().force_N);
     return {};

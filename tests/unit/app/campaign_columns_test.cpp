@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <fmt/format.h>
+
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 
@@ -14,8 +17,10 @@
 namespace forcegate {
 namespace {
 
+using testing::AllOf;
 using testing::EndsWith;
 using testing::HasSubstr;
+using testing::Not;
 
 class CampaignColumns : public FolderTest {
  protected:
@@ -73,6 +78,44 @@ TEST_F(CampaignColumns, TheHintForCodesAndRatiosIsWhatTheyAre) {
     const auto campaign = load_campaign(put(std::string("t_s,F_ref_N,") + name + "\n0,1,17\n1,2,18\n2,3,19\n"));
     ASSERT_FALSE(campaign) << name;
     EXPECT_THAT(campaign.error().hint, HasSubstr(map)) << name;
+  }
+}
+
+TEST_F(CampaignColumns, WhereNoColumnIsLeftNobodyIsToNameOne) {
+  for (const char* text : {"time_s,force_N\n0,1\n1,2\n2,3\n", "time_s,voltage_V,temp_C\n0,1,20\n1,2,20\n2,3,20\n"}) {
+    const auto campaign = load_campaign(put(text));
+    ASSERT_FALSE(campaign) << text;
+    EXPECT_THAT(campaign.error().hint, AllOf(HasSubstr("no column left for it: force and output must stand in one table on one clock"), Not(HasSubstr("NAME"))));
+  }
+  const auto one = load_campaign(put("t_s,F_ref_N,Encoder,temp_C\n0,1,17,20\n1,2,18,20\n2,3,19,20\n"));
+  ASSERT_FALSE(one);
+  EXPECT_THAT(one.error().hint, HasSubstr("--map NAME=U_V, where \"Encoder\" is the only column left"));
+}
+
+TEST_F(CampaignColumns, TwoLoggersInOneTableAreReadAtTheSlowerOne) {
+  std::string text = "t_s,F_ref_N,U_V\n";
+  for (int i = 0; i < 4000; ++i) {
+    const double t = 0.01 * i;
+    text += fmt::format("{:.4f},,{:.5f}\n", t, 0.5 * (2.0 + std::sin(3.0 * t)));
+    if (i % 2 == 0) text += fmt::format("{:.4f},{:.5f},\n", t + 0.003, 2.0 + std::sin(3.0 * (t + 0.003)));
+  }
+  const auto campaign = load_campaign(put(text));
+  ASSERT_TRUE(campaign) << campaign.error().to_text();
+  const Trace& trace = campaign->records.front().trace;
+  const std::vector<double>&F = trace.find("F_ref")->value, &U = trace.find("U")->value;
+  EXPECT_NEAR(static_cast<double>(trace.size()), 2000.0, 2.0);
+  for (std::size_t i = 1; i + 1 < F.size(); ++i) EXPECT_NEAR(U[i], 0.5 * F[i], 1e-3);
+}
+
+TEST_F(CampaignColumns, AForceOrAnOutputWithoutANumberIsAnErrorAndNoForceThatStandsStill) {
+  for (const auto& [header, name] : {std::pair{"t_s,Kraft (N),U_V\n", "Kraft (N)"}, std::pair{"t_s,U_V,F_ref_N\n", "U_V"}}) {
+    std::string text = header;
+    for (int i = 0; i < 40; ++i) text += std::to_string(i) + (i % 2 == 0 ? ",NaN,0.5\n" : ",,0.6\n");
+    const auto campaign = load_recordings(put(text));
+    ASSERT_FALSE(campaign) << header;
+    EXPECT_THAT(campaign.error().text, HasSubstr("column \"" + std::string(name) + "\" holds no number in any of 40 rows"));
+    EXPECT_THAT(campaign.error().where, EndsWith("run.csv:1"));
+    EXPECT_THAT(campaign.error().hint, HasSubstr("names another column"));
   }
 }
 

@@ -47,6 +47,19 @@ class ModelOnCampaign : public FolderTest {
     return out;
   }
 
+  // A sine of 1 to 3 N times `factor`, beside `gain` of the output for each newton.
+  CampaignRequest one_recording(const std::string& name, const std::string& header, double factor, double gain) {
+    std::string text = header;
+    for (int i = 0; i < 3000; ++i) {
+      const double F_N = 2.0 + std::sin(0.02 * i);
+      text += std::to_string(0.01 * i) + "," + std::to_string(factor * F_N) + "," + std::to_string(std::round(100.0 * gain * F_N) / (gain > 100.0 ? 1.0 : 100.0)) + "\n";
+    }
+    CampaignRequest out;
+    out.campaign = put(name, text);
+    out.threads = 1;
+    return out;
+  }
+
   std::string warm_model(const std::string& frame) {
     return put("model.toml", "[law]\nkind = \"static\"\ngain_N_per_V = 0.5\noffset_N = -0.1\n" + frame +
                                  "[[effect]]\nname = \"thermal\"\nform = \"lagged\"\nshape.tau_s = 0.0\nstrength.c_gain_per_C = 0.01\n")
@@ -67,6 +80,32 @@ TEST_F(ModelOnCampaign, AsWrittenItMeansOnAWarmDayWhatItMeantWhereItWasFitted) {
     ASSERT_TRUE(s) << s.error().to_text();
     for (const auto& record : s->items) EXPECT_LT(record.rmse_V, 0.003) << name;
   }
+}
+
+TEST_F(ModelOnCampaign, OfRecordsInAnotherUnitItsOwnNumbersSayNothing) {
+  CampaignRequest request = one_recording("counts.csv", "t_s,F_ref_N,adc\n", 1.0, 200.0);
+  const auto c = compare_request(request);
+  ASSERT_TRUE(c) << c.error().to_text();
+  ASSERT_EQ(c->as_written.size(), 1u);
+  EXPECT_TRUE(std::isnan(c->as_written.front().rmse_V));
+  EXPECT_NE(comparison_json(*c).find("\"rmse_V\": null"), std::string::npos);
+  EXPECT_EQ(comparison_text(*c).find("as written, the whole recording"), std::string::npos);
+  EXPECT_EQ(std::ranges::count_if(c->view.notes, [](const std::string& n) { return n.find("the model takes an output in V, and these records hold it in counts") != std::string::npos; }), 1);
+}
+
+TEST_F(ModelOnCampaign, AForceThatMovesTheModelAThousandTimesTooFarMayBeInAnotherUnit) {
+  const auto told = [&](const char* header, double factor) {
+    const auto c = compare_request(one_recording("force.csv", header, factor, 2.0));
+    EXPECT_TRUE(c) << (c ? "" : c.error().to_text());
+    for (const std::string& n : c->view.notes)
+      if (n.starts_with("the model as written moves its output ")) return n.substr(n.find("--map"));
+    return std::string();
+  };
+  EXPECT_EQ(told("t_s,F_ref_N,U_V\n", 1.0), "");
+  EXPECT_EQ(told("t_s,F_ref_kN,U_V\n", 1e-3), "");
+  EXPECT_EQ(told("t_s,F_ref_N,U_V\n", 100.0), "") << "sensors of one kind differ that far";
+  EXPECT_EQ(told("t_s,F_ref_kN,U_V\n", 1.0), "--map F_ref_kN=F_ref_N:1 reads 1 N for each 1 in that column");
+  EXPECT_EQ(told("t_s,F_ref_N,U_V\n", 1000.0), "--map F_ref_N=F_ref_N:0.001 reads 0.001 N for each 1 in that column");
 }
 
 TEST_F(ModelOnCampaign, SamplesThatADiagnosisThrowsOutAreNoErrorOfTheModel) {

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "hil/rig/self_check.h"
 #include "hil/rig/slow_move.h"
 #include "tests/support/twin_bench.h"
 
@@ -260,6 +261,24 @@ TEST(TwinSession, ALateReplyIsNeverTakenForAFreshOne) {
     }
   }
   EXPECT_GT(b.session->motor().counts().at("retries"), 0U);
+}
+
+TEST(TwinSession, ACallThatHoldsTheLoopUpIsTimeThatTheHarnessWasLate) {
+  TwinBench b("twin.toml", {{"clock = \"virtual\"", "clock = \"paced\""}});
+  BenchSession& s = *b.session;
+  TwinBench::ok(s.open());
+  const double begin_s = s.world().now_s();
+  const auto let_pass = [&](double seconds) { return s.world().advance_to(s.world().now_s() + seconds); };
+  for (int i = 0; i < 20; ++i) {
+    const double due_s = s.world().now_s();
+    s.ticked(due_s);
+    TwinBench::ok(s.timed("polling the sensor board", [&] { return let_pass(i == 10 ? 0.2 : 0.01); }));
+  }
+  const auto details = s.details();
+  ASSERT_TRUE(details.contains(kSlowestCall) && details.contains(kLateTimeShare));
+  EXPECT_TRUE(details.at(kSlowestCall).starts_with("polling the sensor board took 0.2")) << details.at(kSlowestCall);
+  EXPECT_GT(std::stod(details.at(kLateTimeShare)), 0.15 / (s.world().now_s() - begin_s)) << "one late call of many";
+  EXPECT_EQ(std::stod(details.at(kLateTickShare)), 0.0) << "no tick says so";
 }
 
 }  // namespace

@@ -90,6 +90,21 @@ TEST(LedAstray, what_the_firmware_made_the_wheel_do_is_not_charged_to_the_rig) {
   EXPECT_NE(c.evidence.find("the firmware had left the ATI"), std::string::npos) << c.evidence;
 }
 
+TEST(LedAstray, a_command_that_is_no_number_is_told_by_the_answer_that_made_it) {
+  Bench bench;
+  CaseRecord record = led_astray(bench, 2.0);
+  record.safety.reason = StopReason::bad_command;
+  record.safety.t_s = 30.0;
+  record.output.not_finite = 9;
+  for (const double first_s : {29.999, 31.0}) {
+    record.output.first_not_finite_s = first_s;
+    const JudgedCase judged = bench.judge(record);
+    const Check& c = *find(judged, "safety_stop");
+    EXPECT_EQ(c.blame, Blame::firmware);
+    EXPECT_EQ(c.evidence.starts_with("the firmware answers no number (NaN or infinite) from 30.0 s on; safety stop at 30.0 s"), first_s < 30.0) << c.evidence;
+  }
+}
+
 TEST(LedAstray, a_firmware_that_reports_what_the_reference_does_is_not_charged) {
   Bench bench;
   const JudgedCase judged = bench.judge(led_astray(bench, 5.0));

@@ -100,6 +100,24 @@ TEST(SelfCheck, does_not_blame_the_reference_for_readings_that_a_late_harness_di
   EXPECT_EQ(blamed("0.010000", kRigReferenceSaturated), Blame::reference) << "an overload is no lateness";
 }
 
+TEST(SelfCheck, names_the_call_that_held_the_harness_up_instead_of_the_reference) {
+  for (const auto& [call, blame] : {std::pair{"polling the sensor board took 0.700 s", Blame::rig}, std::pair{"polling the ATI took 0.700 s", Blame::reference}}) {
+    testing::FakeRig rig;
+    rig.change_info().details[kLateTickShare] = "0.000200";  // one tick, of most of a second
+    rig.change_info().details[kLateTimeShare] = "0.150000";
+    rig.change_info().details[kSlowestCall] = call;
+    rig.spoil = [](std::size_t row, double t_s, RigBlock& b) {
+      if (t_s >= 10.0 && t_s < 10.7) b.status[row] |= kRigReferenceFault;
+    };
+    for (const Check& c : checks_of(rig))
+      if (c.id == "rig_reference_valid") {
+        EXPECT_EQ(c.verdict, Verdict::rig_error);
+        EXPECT_EQ(c.blame, blame) << call;
+        EXPECT_EQ(c.evidence.find("nobody fetched them: polling the sensor board took 0.700 s") != std::string::npos, blame == Blame::rig) << c.evidence;
+      }
+  }
+}
+
 TEST(SelfCheck, counts_a_row_without_a_reading_once_whatever_says_so) {
   testing::FakeRig rig;
   std::size_t spoiled = 0;

@@ -118,6 +118,14 @@ TEST(InstrumentFiles, UnitsAreReadInWindows1252AndBehindTheWordIn) {
   EXPECT_THAT(refusal("Zeit;Kraft\nPr\xFC" "fer;M\xFCller\n"), HasSubstr("Pr\xC3\xBC" "fer;M\xC3\xBCller"));
 }
 
+TEST(InstrumentFiles, UnitsInBracketsMayStandInQuotes) {
+  for (const char* units : {"\"(s)\",\"(mN)\",\"(V)\"", "\"[s]\" ,\" [mN]\",\"[ V ]\""}) {
+    const auto f = read("\"Time\",\"Load\",\"Voltage\"\n" + std::string(units) + "\n\"0.0\",\"1500\",\"1\"\n\"0.1\",\"1600\",\"1.2\"\n");
+    ASSERT_NE(f.trace.find("F_ref"), nullptr) << units;
+    EXPECT_THAT(f.trace.find("F_ref")->value, ElementsAre(1.5, 1.6));
+  }
+}
+
 TEST(InstrumentFiles, AClockThatGoesBackAnHourIsToldInItsStamps) {
   std::string rows = "time,Force_N,U_V\n";
   for (int i = 0; i < 40; ++i) rows += "2026-10-25T02:59:" + std::to_string(20 + i) + ",1," + std::to_string(i) + "\n";

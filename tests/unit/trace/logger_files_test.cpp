@@ -19,6 +19,7 @@ namespace forcegate {
 namespace {
 
 using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 namespace fs = std::filesystem;
@@ -216,6 +217,22 @@ TEST(LoggerFiles, TwoColumnsOfOneNameAreRefused) {
 TEST(LoggerFiles, QuotedDecimalCommasAreReadBesideCommas) {
   EXPECT_EQ(force(read("t_s,F_ref_N\n\"0,0\",\"1,50\"\n\"0,1\",\"2,5\"\n")), (std::vector<double>{1.5, 2.5}));
   EXPECT_THAT(refuse("t_s,F_ref_N\n0,\"1,500\"\n1,\"2,500\"\n").hint, HasSubstr("write 1500 and not 1,500"));
+}
+
+TEST(LoggerFiles, TheFirstNumberWithDecimalsTellsWhatPartsThem) {
+  const auto f = read("Zeit [s];Kraft [N];Spannung [V]\n0;0;0\n1;;2\n1,01;1,5;2,2\n2,02;1,75;2\n");
+  EXPECT_THAT(force(f), ElementsAre(0, testing::IsNan(), 1.5, 1.75));
+  EXPECT_THAT(f.notes, Contains("the decimals are commas"));
+  EXPECT_THAT(force(read("t_s,F_ref_N\n0,\n1,2\n\"1,5\",\"2,5\"\n")), ElementsAre(testing::IsNan(), 2, 2.5));
+  EXPECT_THAT(force(read("time;F_ref_N\n10:31:07.25;0\n10:31:07.75;0,5\n10:31:08.25;1\n")), ElementsAre(0, 0.5, 1));
+  EXPECT_THAT(force(read("t_s;F_ref_N\n0;0\n1;1,234\n")), ElementsAre(0, 1.234));
+}
+
+TEST(LoggerFiles, ACommaBelowAPointOrAThousandBelowHundredsIsRefused) {
+  EXPECT_THAT(refuse("t_s;F_ref_N\n0;1\n1;1.5\n2;1,5\n").hint, HasSubstr("decimals of this file are points"));
+  EXPECT_EQ(refuse("t_s;F_ref_N\n0;998\n1;999\n2;1,000\n").hint,
+            "write 1000 and not 1,000: nothing may part the thousands, and where it is no thousand, the decimals need a point");
+  EXPECT_THAT(refuse("t_s;F_ref_N\n0;0\n1;1,5\n2;1.5\n").hint, HasSubstr("decimals of this file are commas"));
 }
 
 TEST(LoggerFiles, TimesOfDayWithOneDigitAndHalfDaysAreRead) {
