@@ -39,7 +39,6 @@ struct Curve {
 OwnDecay decay_about(double F_min_N, const RecordInput& r, const std::vector<std::size_t>& rows, Rates rates = Rates::of_grid) {
   constexpr int kRates = 14, kWarmGain = 5, kDecay = 8, kOutput = 9;
   constexpr double kFinest = 0.005;  // of ln rate
-  constexpr double kRidge = 1e-10;
   using Row = Eigen::Matrix<double, kOutput + 1, 1>;
   using Moments = Eigen::Matrix<double, kOutput + 1, kOutput + 1>;
   OwnDecay best;
@@ -54,8 +53,7 @@ OwnDecay decay_about(double F_min_N, const RecordInput& r, const std::vector<std
   // of the first `columns`, divided by the diagonal so that their units do not matter; what they leave
   const auto fit = [&](const Moments& M, int columns) {
     const Eigen::VectorXd size = M.diagonal().head(columns).cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-    Eigen::MatrixXd A = size.asDiagonal() * M.topLeftCorner(columns, columns) * size.asDiagonal();
-    A.diagonal().array() += kRidge;  // between two levels a curve is a straight line
+    const Eigen::MatrixXd A = size.asDiagonal() * M.topLeftCorner(columns, columns) * size.asDiagonal();
     const Eigen::VectorXd y = size.asDiagonal() * M.col(kOutput).head(columns);
     const Eigen::VectorXd c = A.ldlt().solve(y);
     return std::pair{Eigen::VectorXd(size.asDiagonal() * c), std::max(0.0, M(kOutput, kOutput) - c.dot(y)) / n};
