@@ -78,6 +78,15 @@ void spread_crowded(const std::vector<MapCell>& cells, Axis& axis) {
   axis.linear_within = std::max(0.5 * size[size.size() / 2], kLeast * size.back());
 }
 
+// Of the values of a coordinate: no sensor conducts a siemens.
+Scaled scale_of_coordinate(const ResidualMap& m) {
+  if (m.unit != "S") return {1.0, shown_unit(m.unit)};
+  double most = 0.0;
+  for (const MapCell& c : m.cells)
+    if (c.n > 0) most = std::max(most, std::abs(c.x));
+  return readable_unit(most, m.unit);
+}
+
 // "force while unloading, 0.5 to 4 N": a row of the map has a range and a unit of its own.
 std::string named_range(const ResidualMap& m) {
   double low = INFINITY, high = -INFINITY;
@@ -86,9 +95,9 @@ std::string named_range(const ResidualMap& m) {
   if (!(high >= low)) return m.coordinate;
   const bool logarithm = m.unit == kLogOfTime;
   if (logarithm) low = seconds_of_log(low), high = seconds_of_log(high);
-  const std::string unit = logarithm ? "s" : shown_unit(m.unit);
-  return m.coordinate + ", " + typographic_minus(display(low, 2)) + " to " + typographic_minus(display(high, 2)) +
-         (unit.empty() ? "" : " " + unit);
+  const Scaled scale = logarithm ? Scaled{1.0, "s"} : scale_of_coordinate(m);
+  return m.coordinate + ", " + typographic_minus(display(scale.factor * low, 2)) + " to " + typographic_minus(display(scale.factor * high, 2)) +
+         (scale.unit.empty() ? "" : " " + scale.unit);
 }
 
 }  // namespace
@@ -280,11 +289,14 @@ Figure coordinate_figure(const ResidualMap& before, const ResidualMap* after, co
     if (c.blocks >= kBlocksNeeded) most = std::max({most, std::abs(c.mean), 2.0 * c.standard_error});
   const Scaled scale = readable_unit(most, residual_unit);
   const bool logarithm = before.unit == kLogOfTime;
-  Axis x_axis{capitalised(before.coordinate), shown_unit(before.unit)};
-  if (logarithm)
+  const Scaled x_scale = scale_of_coordinate(before);
+  Axis x_axis{capitalised(before.coordinate), x_scale.unit};
+  if (logarithm) {
     x_axis = {"1 s + " + before.coordinate, "s", kAuto, kAuto, Scale::logarithmic};
-  else
+  } else {
     spread_crowded(before.cells, x_axis);
+    x_axis.linear_within *= x_scale.factor;
+  }
   Panel& panel = figure.panel(x_axis, {residual, scale.unit}, 150.0);
   panel.hline(0.0);
   const auto add = [&](const ResidualMap& map, Style style, const std::string& label) {
@@ -292,7 +304,7 @@ Figure coordinate_figure(const ResidualMap& before, const ResidualMap* after, co
     for (const MapCell& c : map.cells) {
       if (c.n == 0) continue;
       const bool enough = c.blocks >= kBlocksNeeded;
-      (enough ? x : thin_x).push_back(logarithm ? std::pow(10.0, c.x) : c.x);
+      (enough ? x : thin_x).push_back(logarithm ? std::pow(10.0, c.x) : x_scale.factor * c.x);
       (enough ? y : thin_y).push_back(c.mean * scale.factor);
       if (enough) U.push_back(2.0 * c.standard_error * scale.factor);
     }

@@ -118,8 +118,9 @@ std::string sentence_of(const ResidualMap& map, const std::string& unit) {
   if (largest == nullptr) return "no cell of " + map.coordinate + " stands out of its scatter";
   const PrintedUnit printed = printed_unit(unit);
   const bool logarithm = map.unit == kLogOfTime;
+  const PrintedUnit at = map.unit == "S" ? printed_unit(map.unit) : PrintedUnit{1.0, logarithm ? "s" : map.unit};  // no sensor conducts a siemens
   return fmt::format("{:+.3g} {} where {} is about {:.3g} {}", largest->mean * printed.factor, printed.name, map.coordinate,
-                     logarithm ? seconds_of_log(largest->x) : largest->x, logarithm ? "s" : map.unit);
+                     at.factor * (logarithm ? seconds_of_log(largest->x) : largest->x), at.name);
 }
 
 // `edges`: of the cells, made of the finite values.
