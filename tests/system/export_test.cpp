@@ -159,5 +159,20 @@ TEST(Export, ACompilerThatDoesNotStartOrGivesNoLibraryIsNoCompilerThatIsMissing)
   EXPECT_THAT(none.err, HasSubstr("No such file or directory"));
 }
 
+// Where no plan stands nobody knows at which rate a firmware runs, and the records tell the only one there is.
+TEST(Export, IsOfferedAtTheRateOfTheRecordsWhereNoPlanStands) {
+  const TemporaryFolder folder;
+  write_straight(folder / "film.csv");
+  ASSERT_EQ(pasted("mkdir bin && cp $(command -v forcegate) bin && bin/forcegate fit film.csv -o m.toml", folder).exit_code, 0);
+  const ProcessResult away = pasted("bin/forcegate diagnose film.csv --model m.toml", folder);
+  EXPECT_THAT(next_of(away), HasSubstr("forcegate export m.toml --plan none --rate 50 --c comp.h")) << away.out;
+  EXPECT_THAT(next_of(pasted("forcegate diagnose film.csv --model m.toml", folder)), Not(HasSubstr("--rate")));
+  const ProcessResult exported = pasted("forcegate export m.toml --plan none --c comp.h --check film.csv --json", folder);
+  const auto json = nlohmann::json::parse(exported.out);
+  EXPECT_DOUBLE_EQ(json["rate_Hz"], 1000.0);
+  EXPECT_DOUBLE_EQ(json["recorded_rate_Hz"], 50.0);
+  EXPECT_THAT(json["notes"].dump(), HasSubstr("needs --rate 50,"));
+}
+
 }  // namespace
 }  // namespace forcegate::test

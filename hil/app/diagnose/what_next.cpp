@@ -95,12 +95,14 @@ std::optional<ExportOffer> export_offer(const std::string& model, const Campaign
     offer.refit = refit;
     request.fit.reset();
     if (refit) request.fit = *campaign;
-    const Result<ExportResult> made = export_model(request);
-    if (!made) continue;
-    if (offer.plan || !is_other_rate(made->rate_Hz, made->recorded_Hz)) return offer;
+    if (!export_model(request)) continue;
+    if (offer.plan || campaign == nullptr) return offer;
     // made again: one that runs fast enough for its lags at 1000 Hz may not at 20 Hz
-    request.rate_Hz = made->recorded_Hz;
-    if (export_model(request)) offer.rate_Hz = request.rate_Hz;
+    const Result<Campaign> records = load_campaign(*campaign);
+    const double recorded_Hz = records ? recorded_rate_Hz(*records) : 0.0;
+    if (!is_other_rate(request.rate_Hz, recorded_Hz)) return offer;
+    request.rate_Hz = recorded_Hz;
+    if (export_model(request)) offer.rate_Hz = recorded_Hz;
     return offer;
   }
   return std::nullopt;
