@@ -27,17 +27,8 @@ std::vector<double> warmth_of(const RecordInput& r) {
   return out;
 }
 
-// What a curve adds to its chord over the forces of a record: beside it the slope of a straight line stays that of the sensor.
-struct Curve {
-  double (*value)(double);
-  double low = 0.0, at_low = 0.0, slope = 0.0;
-
-  Curve(double (*of)(double), double low_N, double high_N) : value(of), low(low_N), at_low(of(low_N)), slope(high_N > low_N ? (of(high_N) - of(low_N)) / (high_N - low_N) : 0.0) {}
-  double bend(double F) const { return value(F) - at_low - slope * (F - low); }
-};
-
 OwnDecay decay_about(double F_min_N, const RecordInput& r, const std::vector<std::size_t>& rows, Rates rates = Rates::of_grid) {
-  constexpr int kRates = 14, kWarmGain = 5, kDecay = 8, kOutput = 9;
+  constexpr int kRates = 14, kWarmGain = 5, kDecay = 6, kOutput = 7;
   constexpr double kFinest = 0.005;  // of ln rate
   using Row = Eigen::Matrix<double, kOutput + 1, 1>;
   using Moments = Eigen::Matrix<double, kOutput + 1, kOutput + 1>;
@@ -46,10 +37,6 @@ OwnDecay decay_about(double F_min_N, const RecordInput& r, const std::vector<std
   const double n = std::max<double>(1.0, static_cast<double>(rows.size()));
   const double longest = std::max(1.0, r.duration_s - r.onset_s);
   std::vector<double> warmth = warmth_of(r);
-  double low = 0.0, high = 0.0;
-  if (!rows.empty()) low = high = r.F_N[rows.front()];
-  for (const std::size_t i : rows) low = std::min(low, r.F_N[i]), high = std::max(high, r.F_N[i]);
-  const Curve square([](double F) { return F * F; }, low, high), root([](double F) { return std::sqrt(std::max(0.0, F)); }, low, high);
   // of the first `columns`, divided by the diagonal so that their units do not matter; what they leave
   const auto fit = [&](const Moments& M, int columns) {
     const Eigen::VectorXd size = M.diagonal().head(columns).cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
@@ -66,7 +53,7 @@ OwnDecay decay_about(double F_min_N, const RecordInput& r, const std::vector<std
       const auto known = [](double v) { return std::isfinite(v) ? v : 0.0; };
       const double bend = i > 0 && i + 1 < r.rows() ? r.F_N[i - 1] - 2.0 * r.F_N[i] + r.F_N[i + 1] : 0.0;
       Row x;
-      x << 1.0, r.F_N[i], known(r.rate_N_per_s[i]), known(bend), warmth[i], warmth[i] * r.F_N[i], square.bend(r.F_N[i]), root.bend(r.F_N[i]),
+      x << 1.0, r.F_N[i], known(r.rate_N_per_s[i]), known(bend), warmth[i], warmth[i] * r.F_N[i],
           std::expm1(-rate * since) * (r.F_N[i] - F_min_N), r.U_V[i];
       M += x * x.transpose();
     }

@@ -8,9 +8,9 @@
 
 namespace forcegate::diagnose {
 
-/// U = c0 + c1 F + c3 F' + c4 F'' + c5 T + c6 T F + c7 h(F^2) + c8 h(sqrt(F)) - c2 (1 - e^(-b t))(F - Fmin), least squares at a grid of rates; without the
-/// last column it is a static record; h(x): x less its chord over the record's forces. F' and F'' take what lag, delay and loop add, h the curve of an FSR: beside them a decay of a record
-/// of fast edges, or of a bent sensor, would explain little of the misfit. A recorded temperature T takes what it does to gain and zero, up to 3 % per degree,
+/// U = c0 + c1 F + c3 F' + c4 F'' + c5 T + c6 T F - c2 (1 - e^(-b t))(F - Fmin), least squares at a grid of rates; without the last column it
+/// is a static record. F' and F'' take what lag, delay and loop add: beside them a decay of a record of fast edges would explain little of
+/// the misfit. A recorded temperature T takes what it does to gain and zero, up to 3 % per degree,
 /// which would be taken for a decay.
 struct OwnDecay {
   double rate_per_s = 0.0;
