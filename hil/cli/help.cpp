@@ -42,7 +42,7 @@ std::string options_block(const std::vector<Option>& options) {
 
 std::string exit_code_block(const std::vector<int>& codes, const std::string& reject_text) {
   std::string out;
-  for (const int code : codes) out += row(fmt::format("{:>3}", code), code == kExitReject && !reject_text.empty() ? reject_text : exit_code_text(code), 8);
+  for (const int code : codes) out += row(fmt::format("{:>3}", code), exit_code_text(code, reject_text), 8);
   return out;
 }
 
@@ -94,7 +94,8 @@ std::vector<int> exit_codes_of(const Command& command) {
   return codes;
 }
 
-std::string exit_code_text(int code) {
+std::string exit_code_text(int code, const std::string& reject_text) {
+  if (code == kExitReject && !reject_text.empty()) return reject_text;
   switch (code) {
     case kExitSuccess: return "ACCEPT, or the verb did what it was asked.";
     case kExitReject: return "REJECT: the firmware failed a required check on a sound rig, crashed or hung.";

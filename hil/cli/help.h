@@ -25,7 +25,8 @@ std::string usage_line(const Command& command);
 std::string man_page(const std::vector<Command>& table, const std::string& version);
 
 /// What an exit code means, one sentence; "" for an unknown one.
-std::string exit_code_text(int code);
+/// `reject_text`: of code 1, where a verb has its own (Command::reject_text).
+std::string exit_code_text(int code, const std::string& reject_text = {});
 
 /// All documented exit codes, ascending.
 const std::vector<int>& exit_codes();

@@ -29,7 +29,7 @@ Json options_json(const std::vector<Option>& options) {
 
 Json exit_codes_json(const std::vector<int>& codes, const std::string& reject_text = {}) {
   Json out = Json::object();
-  for (const int code : codes) out[std::to_string(code)] = code == kExitReject && !reject_text.empty() ? reject_text : exit_code_text(code);
+  for (const int code : codes) out[std::to_string(code)] = exit_code_text(code, reject_text);
   return out;
 }
 

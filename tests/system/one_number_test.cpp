@@ -11,6 +11,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/support/last_line.h"
@@ -48,15 +49,20 @@ void write_overload(const TemporaryFolder& folder) {
   write_levels(folder, "overload", {kBefore, kBefore, kBefore, kAfter, kAfter, kAfter});
 }
 
+// What add and then history tell; null, and a failure, where one of them ends otherwise.
+std::pair<nlohmann::json, nlohmann::json> added_and_asked(const std::string& add, const TemporaryFolder& folder) {
+  const ProcessResult added = pasted(add, folder), asked = pasted("forcegate history better.toml --on overload --json", folder);
+  EXPECT_EQ(added.exit_code, 0) << added.err;
+  EXPECT_EQ(asked.exit_code, 0) << asked.err;
+  if (added.exit_code != 0 || asked.exit_code != 0) return {};
+  return {nlohmann::json::parse(added.out), nlohmann::json::parse(asked.out)};
+}
+
 TEST(OneNumber, TheWaterfallOfAHistoryBeginsAndEndsWhereItsStepDoes) {
   const TemporaryFolder folder;
   write_overload(folder);
-  const ProcessResult added = pasted("forcegate add mounting --fit overload -o better.toml --json", folder);
-  ASSERT_EQ(added.exit_code, 0) << added.err;
-  const auto add = nlohmann::json::parse(added.out);
-  const ProcessResult asked = pasted("forcegate history better.toml --on overload --json", folder);
-  ASSERT_EQ(asked.exit_code, 0) << asked.err;
-  const auto history = nlohmann::json::parse(asked.out);
+  const auto [add, history] = added_and_asked("forcegate add mounting --fit overload -o better.toml --json", folder);
+  ASSERT_FALSE(add.is_null() || history.is_null());
   const double before = history["steps"][0]["error_before"], after = history["steps"][0]["error_after"];
   EXPECT_DOUBLE_EQ(add["error_before"], before);
   EXPECT_DOUBLE_EQ(add["waterfall"]["start"], before);
@@ -71,12 +77,8 @@ TEST(OneNumber, TheWaterfallOfAnOwnEquationBeginsAndEndsWhereItsStepDoes) {
   write_overload(folder);
   write_text(folder / "m.toml", "format = 1\n[law]\nkind = \"static\"\ngain_N_per_V = 3\noffset_N = 0\n[[effect]]\nname = \"mine\"\noutput = \"k * F^2\"\nparameter.k = 0.1\n"
                                 "[[effect]]\nname = \"left\"\noutput = \"j * F^3\"\nparameter.j = 0.1\n");
-  const ProcessResult added = pasted("forcegate add mine --fit overload --model m.toml -o better.toml --json", folder);
-  ASSERT_EQ(added.exit_code, 0) << added.err;
-  const auto add = nlohmann::json::parse(added.out);
-  const ProcessResult asked = pasted("forcegate history better.toml --on overload --json", folder);
-  ASSERT_EQ(asked.exit_code, 0) << asked.err;
-  const auto history = nlohmann::json::parse(asked.out);
+  const auto [add, history] = added_and_asked("forcegate add mine --fit overload --model m.toml -o better.toml --json", folder);
+  ASSERT_FALSE(add.is_null() || history.is_null());
   const double before = add["error_before"], after = add["error_after"];
   EXPECT_NEAR(history["waterfall"]["start"], before, 0.005 * before);
   EXPECT_NEAR(history["waterfall"]["end"], after, 0.005 * after);

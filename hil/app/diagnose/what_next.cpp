@@ -95,11 +95,13 @@ std::optional<ExportOffer> export_offer(const std::string& model, const Campaign
     offer.refit = refit;
     request.fit.reset();
     if (refit) request.fit = *campaign;
-    if (!export_model(request)) continue;
+    const Result<ExportResult> made = export_model(request);
+    if (!made) continue;
     if (offer.plan || campaign == nullptr) return offer;
     // made again: one that runs fast enough for its lags at 1000 Hz may not at 20 Hz
-    const Result<Campaign> records = load_campaign(*campaign);
-    const double recorded_Hz = records ? recorded_rate_Hz(*records) : 0.0;
+    double recorded_Hz = made->recorded_Hz;
+    if (!refit)
+      if (const Result<Campaign> records = load_campaign(*campaign)) recorded_Hz = recorded_rate_Hz(*records);
     if (!is_other_rate(request.rate_Hz, recorded_Hz)) return offer;
     request.rate_Hz = recorded_Hz;
     if (export_model(request)) offer.rate_Hz = recorded_Hz;

@@ -24,8 +24,8 @@ struct ExportRequest {
 };
 
 struct ExportResult {
-  double rate_Hz = 1000.0;     ///< samples a second that the header is made for
-  double recorded_Hz = 0.0;    ///< of the records of --fit and --check; 0: none, or no one rate
+  double rate_Hz = 1000.0;       ///< samples a second that the header is made for
+  double recorded_Hz = 0.0;      ///< of the records of --fit and --check; 0: none, or no one rate
   std::string input_unit = "V";  ///< of what the header takes
   std::string input;             ///< in words, where it is no voltage
   std::filesystem::path header;

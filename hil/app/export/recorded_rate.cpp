@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
 namespace forcegate {
@@ -22,8 +21,8 @@ double round_rate(double rate_Hz) {
 double recorded_rate_Hz(const Campaign& campaign) {
   double rate_Hz = 0.0;
   for (const Record& record : campaign.records) {
-    const auto output = std::ranges::find(record.trace.channels, "U", &Channel::name);
-    if (output == record.trace.channels.end()) continue;
+    const Channel* output = record.trace.find("U");
+    if (output == nullptr) continue;
     const double own_Hz = record.trace.time_bases[output->time_base].nominal_rate_Hz;
     if (!(own_Hz > 0.0) || (rate_Hz > 0.0 && is_other_rate(rate_Hz, own_Hz))) return 0.0;
     if (!(rate_Hz > 0.0)) rate_Hz = own_Hz;

@@ -232,11 +232,12 @@ Result<Fitted> refit_at(Workspace& w, const Model& start, const Model& at, const
   const ShapeCovariance joint = shape_covariance(w.input, w.output, now, fitted.variants);
   constexpr double kKnown = 2.0;  // of its standard error
   const bool known_without = std::abs(fitted.law().coefficient[0]) > kKnown * std::sqrt(std::max(0.0, fitted.law().covariance(0, 0)));
-  if (const bool is_known = std::abs(now.coefficient[0]) > kKnown * joint.of_coefficient(0); !is_known && known_without && !fitted.columns.empty())
+  const bool is_known = std::abs(now.coefficient[0]) > kKnown * joint.of_coefficient(0);
+  if (!is_known && known_without && !fitted.columns.empty())
     return fail(ErrorCode::config, fmt::format("with {} the records do not tell the gain of the sensor any more: some of it goes with the force as the gain itself does",
                                                add.empty() ? "its effects" : add),
                 w.input.name, "take out what is proportional to F, which gain_N_per_V is, or constant, which offset_N is; or record more");
-  else if (!is_known)
+  if (!is_known)
     return fail(ErrorCode::config, "the records do not tell the gain of the sensor: the output does not follow the force beyond the noise", w.input.name,
                 "a record in which the force moves over a good part of its range");
   out.model = start;

@@ -7,6 +7,7 @@
 #include "hil/trace/column_map.h"
 #include "hil/trace/csv.h"
 #include "hil/trace/date_time.h"
+#include "tests/unit/trace/read_csv.h"
 
 namespace forcegate {
 namespace {
@@ -15,12 +16,6 @@ using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
-
-TraceFile read(std::string_view text, const CsvOptions& options = {}) {
-  auto file = parse_csv(text, "x.txt", options);
-  EXPECT_TRUE(file) << (file ? "" : file.error().to_text());
-  return file ? std::move(*file) : TraceFile{};
-}
 
 std::string refusal(std::string_view text, const CsvOptions& options = {}) {
   const auto file = parse_csv(text, "x.txt", options);

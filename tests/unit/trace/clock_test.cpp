@@ -10,6 +10,7 @@
 #include "hil/base/text.h"
 #include "hil/trace/csv.h"
 #include "hil/trace/packets.h"
+#include "tests/unit/trace/read_csv.h"
 
 namespace forcegate {
 namespace {
@@ -22,12 +23,6 @@ std::string table(const std::vector<double>& stamps_s, const std::string& clock 
   std::string text = clock + ",F_ref_N\n";
   for (const double t : stamps_s) text += shortest(t) + ",1\n";
   return text;
-}
-
-TraceFile read(const std::string& text, const CsvOptions& options = {}) {
-  auto file = parse_csv(text, "x.csv", options);
-  EXPECT_TRUE(file) << (file ? "" : file.error().to_text());
-  return file ? std::move(*file) : TraceFile{};
 }
 
 // The stamp of each row's last in packets of `rows`, rounded as a file has it.

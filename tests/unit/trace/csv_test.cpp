@@ -11,18 +11,13 @@
 #include "hil/base/text.h"
 #include "hil/trace/decimal.h"
 #include "hil/trace/missing_count.h"
+#include "tests/unit/trace/read_csv.h"
 
 namespace forcegate {
 namespace {
 
 using ::testing::Contains;
 using ::testing::HasSubstr;
-
-TraceFile read(std::string_view text, const CsvOptions& options = {}) {
-  auto file = parse_csv(text, "x.csv", options);
-  EXPECT_TRUE(file) << file.error().to_text();
-  return file ? std::move(*file) : TraceFile{};
-}
 
 Error refuse(std::string_view text, const CsvOptions& options = {}) {
   const auto file = parse_csv(text, "x.csv", options);

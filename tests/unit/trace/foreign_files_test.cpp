@@ -12,18 +12,13 @@
 #include "hil/trace/columns.h"
 #include "hil/trace/csv.h"
 #include "hil/trace/date_time.h"
+#include "tests/unit/trace/read_csv.h"
 
 namespace forcegate {
 namespace {
 
 using ::testing::Contains;
 using ::testing::HasSubstr;
-
-TraceFile read(std::string_view text, const CsvOptions& options = {}) {
-  auto file = parse_csv(text, "x.csv", options);
-  EXPECT_TRUE(file) << (file ? "" : file.error().to_text());
-  return file ? std::move(*file) : TraceFile{};
-}
 
 TEST(DateTime, ReadsStampsOfLoggersAndTimesOfDay) {
   EXPECT_DOUBLE_EQ(*seconds_of_stamp("1970-01-02T00:00:01"), 86401.0);

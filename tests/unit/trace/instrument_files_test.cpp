@@ -7,6 +7,7 @@
 #include "hil/trace/campaign.h"
 #include "hil/trace/csv.h"
 #include "tests/support/folder_test.h"
+#include "tests/unit/trace/read_csv.h"
 
 namespace forcegate {
 namespace {
@@ -16,12 +17,6 @@ using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
-
-TraceFile read(std::string_view text, const CsvOptions& options = {}) {
-  auto file = parse_csv(text, "x.csv", options);
-  EXPECT_TRUE(file) << (file ? "" : file.error().to_text());
-  return file ? std::move(*file) : TraceFile{};
-}
 
 std::string refusal(std::string_view text, const CsvOptions& options = {}) {
   const auto file = parse_csv(text, "x.csv", options);

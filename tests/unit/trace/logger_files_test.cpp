@@ -14,6 +14,7 @@
 #include "hil/trace/csv_hints.h"
 #include "hil/trace/date_time.h"
 #include "tests/support/folder_test.h"
+#include "tests/unit/trace/read_csv.h"
 
 namespace forcegate {
 namespace {
@@ -23,12 +24,6 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 namespace fs = std::filesystem;
-
-TraceFile read(std::string_view text, const CsvOptions& options = {}) {
-  auto file = parse_csv(text, "x.csv", options);
-  EXPECT_TRUE(file) << (file ? "" : file.error().to_text());
-  return file ? std::move(*file) : TraceFile{};
-}
 
 Error refuse(std::string_view text) {
   const auto file = parse_csv(text, "x.csv");
