@@ -9,10 +9,13 @@ Campaign of_rates(const std::vector<double>& rates_Hz) {
   Campaign out;
   for (const double rate_Hz : rates_Hz) {
     Record r;
-    r.trace.time_bases.push_back({.nominal_rate_Hz = 1.0});
-    r.trace.time_bases.push_back({.nominal_rate_Hz = rate_Hz});
-    r.trace.channels.push_back({.name = "F_ref", .time_base = 0});
-    r.trace.channels.push_back({.name = "U", .time_base = 1});
+    r.trace.time_bases.resize(2);
+    r.trace.time_bases[0].nominal_rate_Hz = 1.0;
+    r.trace.time_bases[1].nominal_rate_Hz = rate_Hz;
+    r.trace.channels.resize(2);
+    r.trace.channels[0].name = "F_ref";
+    r.trace.channels[1].name = "U";
+    r.trace.channels[1].time_base = 1;
     out.records.push_back(std::move(r));
   }
   return out;
