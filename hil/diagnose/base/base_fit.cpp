@@ -209,7 +209,13 @@ class BaseSearch {
   }
 
  private:
-  static constexpr int kRounds = 6, kRoundsAtRest = 2, kIterations = 15;
+  struct Step {
+    double longest = 0.5;
+    Eigen::Vector2d last = Eigen::Vector2d::Zero();  // of ln b and ln q
+  };
+
+  static constexpr int kRounds = 24, kRoundsAtRest = 2, kIterations = 15;
+  static constexpr double kSettled = 0.01;  // of ln b, ln q and ln gain
 
   std::size_t records() const { return w_.input.records.size(); }
 
@@ -241,6 +247,7 @@ class BaseSearch {
   MixedFit run(int rounds) {
     std::vector<int> columns(static_cast<std::size_t>(width_));
     std::iota(columns.begin(), columns.end(), 0);
+    steps_.assign(records(), {});
     MixedFit fit;
     for (int round = 0; round < rounds; ++round) {
       if (round == 0 || width_ > 0) fill_beside();
@@ -248,8 +255,8 @@ class BaseSearch {
       if (!fit.valid) return fit;
       if (w_.law.decays && w_.tells_swing && !tells_swing(fit))
         w_.tells_swing = false;
-      else
-        step_towards(fit);
+      else if (step_towards(fit) < kSettled)
+        break;
     }
     return fit;
   }
@@ -306,23 +313,31 @@ class BaseSearch {
     return out;
   }
 
-  void step_towards(const MixedFit& fit) {
+  // The longest step that is wanted, of ln b, ln q and ln gain. One is shortened as a whole: of a slow decay only rate by depth is seen, and each
+  // shortened by itself would leave that. A record that steps back steps half as far, one that goes on twice as far again.
+  double step_towards(const MixedFit& fit) {
     constexpr double kLongestStep = 0.5, kLeastGain = 0.3, kMostGain = 3.0;
-    const auto step = [=](double& shift, double found) {
-      shift += std::clamp(found - shift, -kLongestStep, kLongestStep);
-      shift = std::clamp(shift, -kLargestShift, kLargestShift);
-    };
+    const auto within = [](double shift) { return std::clamp(shift, -kLargestShift, kLargestShift); };
+    double longest = 0.0;
     for (std::size_t k = 0; k < records(); ++k) {
-      step(w_.shifts[k].log_b, fit.coefficient[2] + fit.zeta[k][2]);
-      step(w_.shifts[k].log_q, fit.coefficient[3] + fit.zeta[k][3]);
+      RecordShift& shift = w_.shifts[k];
+      const Eigen::Vector2d wanted(fit.coefficient[2] + fit.zeta[k][2] - shift.log_b, fit.coefficient[3] + fit.zeta[k][3] - shift.log_q);
+      steps_[k].longest = std::min(kLongestStep, steps_[k].longest * (wanted.dot(steps_[k].last) < 0.0 ? 0.5 : 2.0));
+      const double far = wanted.lpNorm<Eigen::Infinity>();
+      steps_[k].last = wanted * std::min(1.0, steps_[k].longest / std::max(far, 1e-300));
+      longest = std::max(longest, far);
+      shift = {within(shift.log_b + steps_[k].last[0]), within(shift.log_q + steps_[k].last[1])};
     }
-    w_.gain_V_per_N *= std::clamp(fit.coefficient[0], kLeastGain, kMostGain);
+    const double gain = std::clamp(fit.coefficient[0], kLeastGain, kMostGain);
+    w_.gain_V_per_N *= gain;
+    return std::max(longest, std::abs(std::log(gain)));
   }
 
   Workspace& w_;
   unsigned threads_;
   const std::vector<Candidate>& beside_;
   std::vector<std::vector<std::size_t>> rows_;  // that are fitted, of each record
+  std::vector<Step> steps_;                     // of each record
   std::vector<Eigen::MatrixXd> S_;              // of `beside`
   int width_ = 0;                               // columns of S
 };

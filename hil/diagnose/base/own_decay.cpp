@@ -28,7 +28,7 @@ std::vector<double> warmth_of(const RecordInput& r) {
 }
 
 OwnDecay decay_about(double F_min_N, const RecordInput& r, const std::vector<std::size_t>& rows, Rates rates = Rates::of_grid) {
-  constexpr int kRates = 14, kWarmGain = 5, kDecay = 6, kOutput = 7;
+  constexpr int kRates = 14, kForce = 1, kCurves = 5, kWarmGain = 6, kDecay = 8, kOutput = 9;  // kForce to kCurves: what the force does at a time
   constexpr double kFinest = 0.005;  // of ln rate
   using Row = Eigen::Matrix<double, kOutput + 1, 1>;
   using Moments = Eigen::Matrix<double, kOutput + 1, kOutput + 1>;
@@ -53,8 +53,8 @@ OwnDecay decay_about(double F_min_N, const RecordInput& r, const std::vector<std
       const auto known = [](double v) { return std::isfinite(v) ? v : 0.0; };
       const double bend = i > 0 && i + 1 < r.rows() ? r.F_N[i - 1] - 2.0 * r.F_N[i] + r.F_N[i + 1] : 0.0;
       Row x;
-      x << 1.0, r.F_N[i], known(r.rate_N_per_s[i]), known(bend), warmth[i], warmth[i] * r.F_N[i],
-          std::expm1(-rate * since) * (r.F_N[i] - F_min_N), r.U_V[i];
+      x << 1.0, r.F_N[i], known(r.rate_N_per_s[i]), known(bend), r.F_N[i] * r.F_N[i], std::sqrt(std::max(0.0, r.F_N[i])),
+          warmth[i] * r.F_N[i], warmth[i], std::expm1(-rate * since) * (r.F_N[i] - F_min_N), r.U_V[i];
       M += x * x.transpose();
     }
     // a column of nothing takes no part
@@ -62,14 +62,22 @@ OwnDecay decay_about(double F_min_N, const RecordInput& r, const std::vector<std
       if (!(M(j, j) > 0.0)) M(j, j) = 1.0;
     return M;
   };
+  // Of all that the force does at a time: which column has it is arbitrary where two say the same, as F and F'' of a sine do.
+  const auto slope = [&](const Moments& M, const Eigen::VectorXd& c) {
+    const auto with_force = [&](int j) { return M(j, kForce) - M(0, j) * M(0, kForce) / n; };
+    double sum = 0.0;
+    for (int j = kForce; j <= kCurves; ++j) sum += c[j] * with_force(j);
+    return sum / std::max(1e-300, with_force(kForce));
+  };
   // a decay that the temperature happens to go with would need a sensor that no maker sells
-  const Eigen::VectorXd warm = fit(moments_at(0.0), kDecay).first;
-  if (!(std::abs(warm[kWarmGain]) < kMostPerDegree * std::abs(warm[1]))) std::ranges::fill(warmth, 0.0);
+  const Moments timeless = moments_at(0.0);
+  const Eigen::VectorXd warm = fit(timeless, kDecay).first;
+  if (!(std::abs(warm[kWarmGain]) < kMostPerDegree * std::abs(slope(timeless, warm)))) std::ranges::fill(warmth, 0.0);
   const auto try_rate = [&](double rate) {
     const Moments M = moments_at(rate);
     best.static_mean_square = fit(M, kDecay).second;
     const auto [c, mean_square] = fit(M, kDecay + 1);
-    const double depth = c[1] != 0.0 ? c[kDecay] / c[1] : 0.0;
+    const double whole = slope(M, c), depth = whole != 0.0 ? c[kDecay] / whole : 0.0;
     if (!(depth > 0.0 && depth < 1.1) || mean_square >= best.mean_square) return;
     best.mean_square = mean_square;
     best.rate_per_s = rate;

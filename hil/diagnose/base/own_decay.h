@@ -8,13 +8,13 @@
 
 namespace forcegate::diagnose {
 
-/// U = c0 + c1 F + c3 F' + c4 F'' + c5 T + c6 T F - c2 (1 - e^(-b t))(F - Fmin), least squares at a grid of rates; without the last column it
-/// is a static record. F' and F'' take what lag, delay and loop add: beside them a decay of a record of fast edges would explain little of
-/// the misfit. A recorded temperature T takes what it does to gain and zero, up to 3 % per degree,
-/// which would be taken for a decay.
+/// U = c0 + s(F, F', F'') + c6 T F + c7 T - c8 (1 - e^(-b t))(F - Fmin), s = c1 F + c2 F' + c3 F'' + c4 F^2 + c5 sqrt(F), least squares at a
+/// grid of rates; without the last column it is a static record. F' and F'' take what lag, delay and loop add, F^2 and sqrt(F) the curve of an
+/// FSR: beside them a decay of a record of fast edges, or of a bent sensor, would explain little of the misfit. A recorded temperature T takes
+/// what it does to gain and zero, up to 3 % per degree, which would be taken for a decay.
 struct OwnDecay {
   double rate_per_s = 0.0;
-  double depth = 0.0;  ///< c2 / c1
+  double depth = 0.0;  ///< c8 over the slope of s: its covariance with F over the variance of F
   double static_mean_square = 0.0, mean_square = 0.0;  ///< V^2
 
   /// It explains most of what the other columns leave, and is 3 % deep; where others of the sensor's records decay so, a tenth and half a percent: edges

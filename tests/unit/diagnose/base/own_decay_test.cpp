@@ -36,6 +36,34 @@ TEST(OwnDecay, ADecayIsSeenBesideALagThatMakesMostOfTheError) {
   EXPECT_FALSE(decays_by_itself(edges(0.0)));
 }
 
+// Beside the curve of an FSR a straight line leaves more than the decay does.
+TEST(OwnDecay, ADecayIsSeenBesideABentCurve) {
+  const auto bent = [](double depth) {
+    RecordInput r = edges(0.0);
+    for (std::size_t i = 0; i < r.rows(); ++i) {
+      r.F_N[i] = 2.0 - 1.5 * std::cos(1.7 * r.t_s[i]);
+      const double D = 1.0 + depth * std::expm1(-0.05 * r.t_s[i]), y = 0.5 + D * (r.F_N[i] - 0.5);
+      r.U_V[i] = 4.0 * y / (y + 2.0) + 0.01 * std::sin(37.0 * r.t_s[i]);
+    }
+    return r;
+  };
+  EXPECT_TRUE(decays_by_itself(bent(0.12)));
+  EXPECT_FALSE(decays_by_itself(bent(0.0)));
+}
+
+// F'' of a sine is the force itself: either column, and any part of both, has its slope.
+TEST(OwnDecay, TheDepthOfASineIsThatOfItsWholeSlope) {
+  for (const double depth : {0.1, 0.5}) {
+    RecordInput r = edges(0.0);
+    for (std::size_t i = 0; i < r.rows(); ++i) {
+      r.F_N[i] = 2.0 - 1.5 * std::cos(1.7 * r.t_s[i]);
+      r.rate_N_per_s[i] = 1.5 * 1.7 * std::sin(1.7 * r.t_s[i]);
+      r.U_V[i] = 2.0 * (0.5 + (1.0 + depth * std::expm1(-0.05 * r.t_s[i])) * (r.F_N[i] - 0.5));
+    }
+    EXPECT_NEAR(own_decay(r, choose_rows(r, 4000), Rates::between).depth, depth, 0.02 * depth);
+  }
+}
+
 TEST(OwnDecay, ALostRowHidesNone) {
   RecordInput r = edges(0.06);
   for (std::size_t i = 500; i < 2500; i += 400) {
