@@ -8,6 +8,7 @@
 
 #include "hil/diagnose/answer/load_direction.h"
 #include "hil/diagnose/answer/residual_map.h"
+#include "hil/diagnose/base/some_columns.h"
 #include "hil/diagnose/candidates/cause_course.h"
 #include "hil/diagnose/choose/refit_chosen.h"
 

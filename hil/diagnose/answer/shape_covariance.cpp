@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "hil/diagnose/base/some_columns.h"
+
 namespace forcegate::diagnose {
 
 namespace {

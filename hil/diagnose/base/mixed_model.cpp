@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "hil/diagnose/base/record_part.h"
 
@@ -271,39 +270,6 @@ double strength_scatter(const MixedProblem& problem, const MixedFit& fit, const 
   return information > 0.0 ? std::sqrt(std::max(0.0, scatter - n) / information) : 0.0;
 }
 
-MixedProblem with_columns(const MixedProblem& p, const std::vector<int>& columns) {
-  MixedProblem out;
-  out.nz = p.nz;
-  out.n_fixed = p.n_fixed;
-  out.ns = static_cast<int>(columns.size());
-  out.component_of_z = p.component_of_z;
-  out.components = p.components;
-  out.fixed_prior_sd = p.fixed_prior_sd;
-  out.column_prior_sd.resize(out.ns);
-  if (p.column_prior_mean.size() > 0) out.column_prior_mean.resize(out.ns);
-  if (!p.grows_with_gain.empty())
-    for (const int j : columns) out.grows_with_gain.push_back(p.grows_with_gain[static_cast<std::size_t>(j)]);
-  std::vector<int> at;
-  for (int j = 0; j < p.nz; ++j) at.push_back(j);
-  for (std::size_t a = 0; a < columns.size(); ++a) {
-    out.column_prior_sd[static_cast<Index>(a)] = p.column_prior_sd[columns[a]];
-    if (out.column_prior_mean.size() > 0) out.column_prior_mean[static_cast<Index>(a)] = p.column_prior_mean[columns[a]];
-    at.push_back(p.nz + columns[a]);
-  }
-  at.push_back(p.y_index());
-  for (const RecordGram& from : p.records)
-    out.records.push_back({from.name, from.gram(at, at), from.n_eff, from.noise_variance, from.allowed_variance, from.smoothed_variance, from.heldout});
-  return out;
-}
-
-MixedFit with_columns(MixedFit fit, const std::vector<int>& columns) {
-  const Index fixed = fit.coefficient.size() - std::ssize(fit.columns);
-  fit.coefficient = (VectorXd(fixed + std::ssize(columns)) << fit.coefficient.head(fixed), fit.strengths_of(columns)).finished();
-  fit.columns.resize(columns.size());
-  std::iota(fit.columns.begin(), fit.columns.end(), 0);
-  return fit;
-}
-
 MixedFit at_freedom_of(const MixedProblem& problem, MixedFit fit, const MixedFit& freedom) {
   Conditional conditional;
   fit.zeta.resize(problem.records.size());
@@ -327,12 +293,19 @@ std::vector<double> adapted_errors(const MixedProblem& problem, const MixedFit& 
 
 namespace {
 
+std::vector<Index> fixed_columns(const MixedProblem& problem, bool VarianceComponent::*which) {
+  std::vector<Index> out;
+  for (Index j = 0; j < problem.n_fixed; ++j)
+    if (problem.components[static_cast<std::size_t>(problem.component_of_z[static_cast<std::size_t>(j)])].*which) out.push_back(j);
+  return out;
+}
+
 // Of the fixed parts of nuisance columns, as the records other than each one leave them, at given strengths; 0 for other columns.
 std::vector<VectorXd> nuisance_variance(const MixedProblem& problem, std::vector<RecordPart>& parts, const MixedFit& fit,
                                         const MixedFit& freedom) {
   const Index n = problem.n_fixed;
-  VectorXd nuisance(n);
-  for (Index j = 0; j < n; ++j) nuisance[j] = problem.components[problem.component_of_z[j]].nuisance ? 1.0 : 0.0;
+  VectorXd nuisance = VectorXd::Zero(n);
+  for (const Index j : fixed_columns(problem, &VarianceComponent::nuisance)) nuisance[j] = 1.0;
   if (nuisance.isZero()) return std::vector<VectorXd>(parts.size(), nuisance);
   const VectorXd sigma2 = expand_variance(problem, freedom.variance);
   MatrixXd total = problem.fixed_prior_sd.cwiseAbs2().cwiseInverse().asDiagonal();
@@ -372,14 +345,23 @@ LeftOut leave_one_out(const MixedProblem& problem, const MixedFit& fit, const Mi
   for (Index j = 0; j < problem.plain_prior_sd.size(); ++j) plain_prior[j] = 1.0 / (problem.plain_prior_sd[j] * problem.plain_prior_sd[j]);
   std::vector<VectorXd> uncertain;
   if (freedom != nullptr) uncertain = nuisance_variance(problem, parts, fit, *freedom);
+  const std::vector<Index> known = fixed_columns(problem, &VarianceComponent::told_by_all);
   Conditional conditional;
   for (std::size_t i = 0; i < n_records; ++i) {
     const bool counts = fit.counts(problem.records[i]);
     const MatrixXd others = counts ? MatrixXd(total - single[i]) : total;
     const auto told = [&](const VectorXd& by) {
-      MatrixXd P = others.topLeftCorner(d, d);
+      MatrixXd P = others.topLeftCorner(d, d).selfadjointView<Eigen::Lower>();
       P.diagonal() += by;
-      return with_minus(P.llt().solve(others.row(d).head(d).transpose() + pull));
+      VectorXd pulled = others.row(d).head(d).transpose() + pull;
+      for (const Index j : known) {
+        pulled -= P.col(j) * fit.coefficient[j];
+        P.row(j).setZero();
+        P.col(j).setZero();
+        P(j, j) = 1.0;
+      }
+      for (const Index j : known) pulled[j] = fit.coefficient[j];
+      return with_minus(P.llt().solve(pulled));
     };
     const VectorXd v = told(prior);
     const double n_eff = problem.records[i].n_eff;

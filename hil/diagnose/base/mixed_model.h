@@ -32,6 +32,8 @@ struct VarianceComponent {
   double prior_weight =
       0.5;  ///< the records can raise it by any factor, but cannot talk down a prior that is wide
   bool nuisance = false;  ///< a left-out record takes its fixed part as uncertain as the others leave it: no effect is judged by it
+  bool told_by_all = false;  ///< a nuisance that stays as all records tell it when one is left out: no part of what that tests, and in records
+                             ///< that hardly show it the form of an effect would bend it
 };
 
 /// A variance that is set instead of estimated: a record has nothing of its own there, nor of what its law is uncertain by.
@@ -120,11 +122,6 @@ struct MixedFit {
   Eigen::VectorXd strengths_of(const std::vector<int>& columns) const;
   bool counts(const RecordGram& record) const { return use == RecordUse::all_records || !record.heldout; }
 };
-
-/// The problem with those columns of S alone.
-MixedProblem with_columns(const MixedProblem& problem, const std::vector<int>& columns);
-/// A fit of the whole problem as one to start from in that with those columns alone: strengths and the numbers of the columns. Its covariance is not made over.
-MixedFit with_columns(MixedFit fit, const std::vector<int>& columns);
 
 /// Fits the columns. `warm`, of the same columns or others, gives the variances to start from; `iterations` of EM.
 MixedFit fit_mixed(const MixedProblem& problem, const std::vector<int>& columns,

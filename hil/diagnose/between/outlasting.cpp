@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "hil/diagnose/base/mixed_model.h"
+#include "hil/diagnose/base/some_columns.h"
 #include "hil/model/model.h"
 
 namespace forcegate::diagnose {

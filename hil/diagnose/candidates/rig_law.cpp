@@ -251,7 +251,7 @@ void build_rig_channel(Workspace& w, unsigned threads) {
   // known to a degree or two: no findings. Both are the same in all records: what differs from record to record is a play. Slow records
   // say nothing of a lag
   p.components = {{"rig_gain", 0.02, 0.002, 0.5},      {"rig_offset", 0.02, 0.001, 0.5},
-                  {"reference_lag", 0.01, 0.01, 50.0, true}, {"angle_zero", 5e-4, 5e-4, 50.0, true},
+                  {"reference_lag", 0.01, 0.01, 50.0, true, true}, {"angle_zero", 5e-4, 5e-4, 50.0, true, true},
                   {"rig_wander", 0.002, 3e-4, 0.5},    {"motor_lag", 1.0, 1.0, 1.0}};
   p.component_of_z = {0, 1, 2, 3, 4, 4, 4, 5, 5};
   p.fixed_prior_sd = Eigen::Vector4d(10.0, 10.0, 2.0, 0.03);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "hil/diagnose/base/some_columns.h"
 #include "hil/diagnose/choose/select.h"
 
 namespace forcegate::diagnose {

@@ -4,6 +4,7 @@
 
 #include "hil/base/rng.h"
 #include "hil/diagnose/base/judge.h"
+#include "hil/diagnose/base/some_columns.h"
 #include "hil/diagnose/between/between_records.h"
 #include "tests/unit/diagnose/made_channel.h"
 
