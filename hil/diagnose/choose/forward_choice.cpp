@@ -142,7 +142,7 @@ class ForwardChoice {
 
   // The first of all, of whose strength the records, or parts of them, say different things.
   bool may_hide_another(Refusal why, const ChosenEffect& chosen) const {
-    return (why == Refusal::differs || why == Refusal::helps_no_records || why == Refusal::helps_no_parts) && out_.chosen.empty() && place_ == 0 && !chosen.between &&
+    return (why == Refusal::leaves_most || why == Refusal::differs || why == Refusal::helps_no_records || why == Refusal::helps_no_parts) && out_.chosen.empty() && place_ == 0 && !chosen.between &&
            !rules_.forms_are_rough;
   }
 

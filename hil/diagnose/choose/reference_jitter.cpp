@@ -15,6 +15,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr Index kGroup = 5, kShortest = 20, kLongest = 100;  // rows
+constexpr double kEnough = 20.0;    // groups
 constexpr double kStill = 0.01;     // of the span
 constexpr double kOfNoise = 5.0;    // what a stretch of noise spans, standard deviations
 
@@ -90,7 +91,9 @@ double share_of_jitter(const ResidualChannel& channel, const MixedFit& before, c
       i = std::max(to, i + 1);
     }
   }
-  const double white = !is_shift ? any.fall : long_still.n > 0.0 ? long_still.fall * any.n / long_still.n : 0.0;
+  // just behind an edge what is late goes on while the force stands already
+  const bool has_rest = long_still.n >= (is_shift ? 1.0 : kEnough);
+  const double white = has_rest ? long_still.fall * any.n / long_still.n : is_shift ? 0.0 : any.fall;
   return all > 0.0 ? std::max(white, smoothed) / all : 0.0;
 }
 
