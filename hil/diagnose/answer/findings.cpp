@@ -91,6 +91,15 @@ CrossFit records_that_it_helps(const ResidualChannel& channel, const Selection& 
   return beside.improved * entered.excited > entered.improved * beside.excited ? beside : entered;
 }
 
+// Share of what the noise does not explain that an effect takes, of what the chosen ones take within records. One between them moves levels, which
+// every record has of its own there: it is asked for the error of one gain and zero for all.
+double share_explained(const ResidualChannel& channel, const ChosenEffect& chosen, double within_records) {
+  if (!chosen.by_records()) return within_records;
+  const auto square = [](double x) { return x * x; };
+  const double before = square(chosen.error_before), allowed = square(allowed_rms(channel) * channel.scale);
+  return before > allowed ? std::max(within_records, (before - square(chosen.error_after)) / (before - allowed)) : within_records;
+}
+
 }  // namespace
 
 void add_findings(const Workspace& w, const ResidualChannel& channel, const Selection& selection,
@@ -98,7 +107,7 @@ void add_findings(const Workspace& w, const ResidualChannel& channel, const Sele
   for (const ChosenEffect& chosen : selection.chosen) {
     Finding f = finding_about(*chosen.kind, channel);
     const double real = probability_that_real(w.input, channel, chosen);
-    const double whole = explained > 0.5 ? 1.0 : 0.45 + explained;
+    const double of_error = share_explained(channel, chosen, explained), whole = of_error > 0.5 ? 1.0 : 0.45 + of_error;
     f.probability = std::max(0.0, real * whole * chosen.share_of_family);
     f.form = candidate_of(channel, chosen.variant).form->name;
     f.parameters = found_parameters(w.input, channel, chosen, &channel == &w.output ? chosen.fit.coefficient[0] * channel.gain_of_unit : 1.0);
