@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <exception>
 #include <limits>
+#include <optional>
 
 #include "adapters/link/fenced_block.h"
 #include "adapters/link/image.h"
@@ -21,6 +23,7 @@ namespace {
 
 constexpr std::uint32_t kAbi = 1;
 constexpr std::uint32_t kHeapSettled = 20000;  // buffers made at first use are no growth
+constexpr std::size_t kLongestWhat = 200;
 constexpr std::int32_t kBadCalibration = 1, kBadIndex = 2;
 
 struct NativeCalibration {
@@ -56,6 +59,20 @@ NativeCalibration to_native(const Calibration& c) {
   return out;
 }
 
+// Calls the image with the marker set. What leaves it by an exception is caught before the marker is taken away, or the end of the process would be charged
+// to the harness. Returns what the exception says; nullopt: it came back.
+template <class Call>
+std::optional<std::string> thrown_in(const InFirmware&, const Call& call) {
+  try {
+    call();
+    return std::nullopt;
+  } catch (const std::exception& e) {
+    return printable_utf8(std::string(e.what(), strnlen(e.what(), kLongestWhat)));
+  } catch (...) {
+    return "not a std::exception";
+  }
+}
+
 class NativeDut final : public Dut {
  public:
   ~NativeDut() override { unload(); }
@@ -73,7 +90,7 @@ class NativeDut final : public Dut {
     const std::string path = std::filesystem::absolute(session.image).string();
     {
       const InFirmware marker(FirmwareStage::opening);  // constructors of the object may run
-      handle_ = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+      handle_ = open_object(path);
     }
     if (handle_ == nullptr) return fail(ErrorCode::firmware, "the image cannot be loaded: " + printable_utf8(dlerror()), where_);
     if (!load("forcegate_native_abi", abi_) || !load("forcegate_native_open", open_) ||
@@ -104,10 +121,10 @@ class NativeDut final : public Dut {
     // Asking costs a microsecond: too much for the ten samples of a control period.
     const bool watch_heap = first_index >= kHeapSettled && adc.size() >= 256;
     const std::int64_t before = watch_heap ? heap_bytes() : 0;
-    {
-      const InFirmware marker(first_index, static_cast<std::uint32_t>(adc.size()));
+    const auto thrown = thrown_in(InFirmware(first_index, static_cast<std::uint32_t>(adc.size())), [&] {
       status = process_(first_index, static_cast<std::uint32_t>(adc.size()), own_adc.data(), own_N.data(), own_flags.data());
-    }
+    });
+    if (thrown) return threw("in the block of " + std::to_string(adc.size()) + " samples from sample " + std::to_string(first_index) + " on", *thrown);
     std::copy(own_N.begin(), own_N.end(), force_N.begin());
     std::copy(own_flags.begin(), own_flags.end(), flags.begin());
     if (!std::equal(adc.begin(), adc.end(), own_adc.begin())) {
@@ -156,11 +173,11 @@ class NativeDut final : public Dut {
     NativeInfo info{};
     std::int32_t status = 0;
     std::uint32_t abi = 0;
-    {
-      const InFirmware marker(FirmwareStage::opening);
+    const auto thrown = thrown_in(InFirmware(FirmwareStage::opening), [&] {
       abi = abi_();
       if (abi == kAbi) status = open_(session.nonce, &calibration, &info);
-    }
+    });
+    if (thrown) return threw("when it is opened", *thrown);
     if (abi != kAbi)
       return fail(ErrorCode::firmware,
                   "the image speaks version " + std::to_string(abi) + " of the native interface, not 1",
@@ -186,6 +203,18 @@ class NativeDut final : public Dut {
                    static_cast<double>(info.rate_Hz)};
   }
 
+  Unexpected threw(const std::string& when, const std::string& what) const {
+    return fail(ErrorCode::firmware, "the image throws a C++ exception " + when + ": " + what, where_,
+                "catch it inside: the functions of rigs/firmware/ports/native.h are C, and their callers know no exceptions");
+  }
+
+  // Constructors and destructors of the image run below the dynamic loader, which no exception may cross: noexcept ends the process there and then.
+  static void* open_object(const std::string& path) noexcept { return dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL); }
+  void close_object() const noexcept {
+    if (close_ != nullptr) close_();
+    dlclose(handle_);
+  }
+
   static std::int64_t heap_bytes() {
     const struct mallinfo2 info = mallinfo2();
     return static_cast<std::int64_t>(info.uordblks + info.hblkhd);
@@ -200,8 +229,7 @@ class NativeDut final : public Dut {
   void unload() {
     if (handle_ == nullptr) return;
     const InFirmware marker(FirmwareStage::closing, static_cast<std::uint32_t>(counters_.samples));
-    if (close_ != nullptr) close_();
-    dlclose(handle_);
+    close_object();
     handle_ = nullptr;
     abi_ = nullptr;
     open_ = nullptr;

@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 #include <mutex>
+#include <utility>
 
 #include "hil/base/parallel.h"
 #include "hil/base/text.h"
@@ -19,7 +20,8 @@ struct Job {
   std::size_t sensor = 0;
   std::string specimen;
   int session = 0;
-  bool exemplar = false;
+  bool exemplar = false;     ///< of the plan: in no statistic
+  bool with_curves = false;
 };
 
 Spread spread_of(const SensorStudy& study, const Measurement& what) {
@@ -125,6 +127,7 @@ std::vector<LimitResult> check_limits(const std::vector<SensorStudy>& studies, c
       const bool once = measured_once(plan, study, limit.key);
       for (const SessionSheet& sheet : study.sheets) {
         if (once && sheet.session != 0) continue;
+        if (study.of_recordings && sheet.find(limit.key) == nullptr) continue;
         const double v = sheet.failure ? std::nan("") : sheet.value(limit.key);
         ++r.sessions;
         if (!(v >= limit.minimum && v <= limit.maximum)) ++r.outside;
@@ -169,9 +172,10 @@ Result<std::vector<SensorStudy>> run_study(const StudyRequest& request, BenchPro
     studies.emplace_back().sensor = request.sensors[k];
     FORCEGATE_TRY(const auto probe, request.make_rig(request.sensors[k]));
     (void)probe;
-    if (!plan.exemplar.empty()) jobs.push_back({k, plan.exemplar, 0, true});
+    if (!plan.exemplar.empty() && !request.first_is_exemplar) jobs.push_back({k, plan.exemplar, 0, true, true});
+    bool with_curves = request.first_is_exemplar;
     for (const std::string& specimen : plan.specimens)
-      for (int session = 0; session < plan.sessions; ++session) jobs.push_back({k, specimen, session, false});
+      for (int session = 0; session < plan.sessions; ++session) jobs.push_back({k, specimen, session, false, std::exchange(with_curves, false)});
   }
   std::vector<SessionSheet> sheets(jobs.size());
   std::atomic<std::size_t> finished{0};
@@ -192,7 +196,7 @@ Result<std::vector<SensorStudy>> run_study(const StudyRequest& request, BenchPro
     setup.session = static_cast<std::uint64_t>(job.session);
     setup.rest_s = plan.rest_s;
     Bench bench(**rig, setup, progress);
-    Session session(bench, plan, sensor, request.compensation, job.exemplar);
+    Session session(bench, plan, sensor, request.compensation, job.with_curves);
     sheets[i] = run_session(session, sensor == "fsr" ? plan.fsr : plan.flexiforce);
     if (request.progress)
       request.progress(static_cast<double>(++finished) / static_cast<double>(jobs.size()),
@@ -202,10 +206,15 @@ Result<std::vector<SensorStudy>> run_study(const StudyRequest& request, BenchPro
   for (std::size_t i = 0; i < jobs.size(); ++i) {
     SensorStudy& study = studies[jobs[i].sensor];
     study.samples += sheets[i].samples;
-    if (jobs[i].exemplar)
+    if (jobs[i].exemplar) {
       study.exemplar = std::move(sheets[i]);
-    else
-      study.sheets.push_back(std::move(sheets[i]));
+      continue;
+    }
+    if (jobs[i].with_curves && !sheets[i].failure) {
+      study.exemplar = sheets[i];
+      sheets[i].curves.clear();
+    }
+    study.sheets.push_back(std::move(sheets[i]));
   }
   for (SensorStudy& study : studies) {
     FORCEGATE_TRY(const auto rig, request.make_rig(study.sensor));

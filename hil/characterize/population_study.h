@@ -24,7 +24,7 @@ struct SensorStudy {
   std::string sensor;                ///< "flexiforce", "fsr", "recording"
   bool of_recordings = false;        ///< a sheet is a recording, of which nothing says whose it is: no specimen, no session
   std::vector<SessionSheet> sheets;  ///< specimen by specimen, session by session
-  SessionSheet exemplar;             ///< with curves; in no statistic
+  SessionSheet exemplar;             ///< with curves; in no statistic, or a copy of the sheet of StudyRequest::first_is_exemplar
   std::vector<Spread> spreads;       ///< in the order in which the procedures measured
   LawStudy laws;
   double rig_time_s = 0.0;
@@ -42,6 +42,7 @@ struct SensorStudy {
 struct StudyRequest {
   StudyPlan plan;
   std::vector<std::string> sensors;
+  bool first_is_exemplar = false;  ///< no exemplar of the plan is played: the first session of the first specimen gives the curves
   std::function<Result<std::unique_ptr<Rig>>(const std::string& sensor)> make_rig;
   CompensationMaker compensation;
   unsigned threads = 0;
@@ -67,7 +68,7 @@ struct LimitResult {
 Result<void> check_limit_keys(const StudyPlan& plan, const std::vector<std::string>& sensors);
 
 /// Limits whose key the sensor's procedures measure; a key that no sensor measures is not kept. A session that failed
-/// counts as outside.
+/// counts as outside, a recording that does not measure the key is left out.
 std::vector<LimitResult> check_limits(const std::vector<SensorStudy>& studies, const StudyPlan& plan);
 
 /// Mean and sample standard deviation of the finite values; sd NaN below two.

@@ -106,6 +106,10 @@ class Rig {
 
   virtual RigInfo info() const = 0;
 
+  /// What its options come to, those that nobody gave too, as make_rig() takes them: another rig of these plays the same. Empty: nothing of the kind
+  /// is known of this rig.
+  virtual std::map<std::string, std::string> settings() const { return {}; }
+
   /// Mounts the specimen, sets the geometry, lets it rest, starts the clocks at t = 0 (angle at preload).
   virtual Result<void> begin(const RigRecordRequest& request) = 0;
 

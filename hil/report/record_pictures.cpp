@@ -109,8 +109,8 @@ Figure spectrum_figure(const ResidualSpectrum& s, const std::string& unit, bool 
     figure.summary = "No line stands out of the residual by more than " + display(kLine, 1) + " times what is around it.";
   else
     figure.summary = "The residual has a line at " + display(s.f_Hz[line], 3) + " Hz" +
-                     (above_neighbours(s.load, line) > kOfTheLoad
-                          ? ", where the load has one."
+                     (above_neighbours(s.command.empty() ? s.load : s.command, line) > kOfTheLoad
+                          ? std::string(", where the load has one") + (s.command.empty() ? " by its reference, whose steps can be lines too." : ".")
                           : ", where the load has none: a harmonic that the model lacks, mains or a resonance.") +
                      afterwards(s, line);
   return figure;

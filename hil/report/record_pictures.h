@@ -16,6 +16,8 @@ struct ResidualSpectrum {
   std::vector<double> load;            ///< of the modelled output, same unit: what the load has
   double noise = 0.0;                  ///< what white noise of the row noise would give; 0: not known
   std::vector<double> after{};         ///< residual of the model with what was found or added; empty: nothing was
+  /// Of the command, or of what the angle makes of it: what the load has where the reference's steps look like lines. Its own unit; empty: not recorded.
+  std::vector<double> command{};
 };
 
 /// Output at the turning points of the force; modelled with the record's own gain and zero, `after` with what was found or added (empty:

@@ -67,7 +67,7 @@ void load(Reading& reading, const CampaignOptions& options) {
   // files of Forcegate hold channels that are there to be looked at
   const std::string ending = reading.file.extension().string();
   if (const auto unused = unused_columns(record.trace, read->headers); !unused.empty() && ending != ".h5" && ending != ".hdf5" && record.trace.find("F_ref"))
-    reading.notes.push_back("not used: " + join(unused, ", "));
+    reading.notes.push_back("not used: " + some_columns(unused));
   // what was mapped out is not offered again
   std::erase_if(record.trace.channels, [](const Channel& c) { return c.name == "unused" || c.name.starts_with("unused_"); });
 }

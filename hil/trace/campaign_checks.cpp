@@ -199,7 +199,7 @@ Unfit unfit(const Trace& trace) {
   std::vector<std::string> columns;
   for (const Channel& channel : trace.channels) columns.push_back(header_of(channel.name, channel.unit));
   for (const auto& [name, what] : {std::pair{"F_ref", "reference force"}, std::pair{"U", "output"}})
-    if (trace.find(name) == nullptr && out.no_column.empty()) out.no_column = std::string("no column is the ") + what + ": there are " + join(columns, ", ");
+    if (trace.find(name) == nullptr && out.no_column.empty()) out.no_column = std::string("no column is the ") + what + ": there are " + some_columns(columns);
   return out;
 }
 

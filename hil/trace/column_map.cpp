@@ -7,6 +7,7 @@
 
 #include "hil/base/plain_number.h"
 #include "hil/base/read_number.h"
+#include "hil/base/some_of.h"
 #include "hil/base/text.h"
 #include "hil/trace/channels.h"
 #include "hil/trace/columns.h"
@@ -114,7 +115,7 @@ Result<void> check_column_map(const ColumnMap& map, std::span<const std::string>
       for (const Channel& c : trace->channels)
         if (const std::string name = header_of(c.name, c.unit); std::ranges::find(columns, name) == columns.end()) columns.push_back(name);
     return fail(ErrorCode::usage, "no record has a column \"" + from + "\" to map to " + to, where.string(),
-                "there are " + join(columns, ", ") + (meaning_of_target(to).is_clock ? "; the clock of an HDF5 file stays what it is" : ""));
+                "there are " + some_columns(columns) + (meaning_of_target(to).is_clock ? "; the clock of an HDF5 file stays what it is" : ""));
   }
   return {};
 }
@@ -210,7 +211,7 @@ std::string column_map_advice(const Trace& trace, std::string_view name, std::st
     }
   const std::string any = "--map NAME=" + wanted + "_" + std::string(unit);
   const std::vector<const Channel*> free = columns_left(trace);
-  return free.size() == 1 ? any + ", where \"" + header(*free.front()) + "\" is the only column left" : any;
+  return free.size() == 1 ? any + ", where \"" + shortened(header(*free.front())) + "\" is the only column left" : any;
 }
 
 std::string no_column_left_advice(const Trace& trace) {

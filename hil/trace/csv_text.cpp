@@ -6,11 +6,13 @@
 namespace forcegate {
 namespace {
 
-enum class Encoding { plain, utf16_little, utf16_big };
+enum class Encoding { plain, utf16_little, utf16_big, utf32_little, utf32_big };
 
 constexpr std::size_t kLookedAt = 65536;
 
 Encoding encoding_of(std::string_view bytes) {
+  if (bytes.starts_with(std::string_view("\xFF\xFE\0\0", 4))) return Encoding::utf32_little;
+  if (bytes.starts_with(std::string_view("\0\0\xFE\xFF", 4))) return Encoding::utf32_big;
   if (bytes.starts_with("\xFF\xFE")) return Encoding::utf16_little;
   if (bytes.starts_with("\xFE\xFF")) return Encoding::utf16_big;
   constexpr std::size_t kLetters = 8;
@@ -55,6 +57,30 @@ std::string utf8_of_utf16(std::string_view bytes, bool big) {
   return out;
 }
 
+std::string utf8_of_utf32(std::string_view bytes, bool big) {
+  constexpr std::size_t kBytes = 4;
+  constexpr std::uint32_t kMark = 0xFEFF, kNoCharacter = 0xFFFD, kLast = 0x10FFFF;
+  std::string out;
+  out.reserve(bytes.size() / kBytes);
+  for (std::size_t i = 0; i + kBytes <= bytes.size(); i += kBytes) {
+    std::uint32_t code = 0;
+    for (std::size_t k = 0; k < kBytes; ++k) code = code << 8 | static_cast<unsigned char>(bytes[big ? i + k : i + kBytes - 1 - k]);
+    if (code != kMark) append_utf8(code > kLast || (code >= 0xD800 && code < 0xE000) ? kNoCharacter : code, out);
+  }
+  return out;
+}
+
+std::string utf8_of(std::string_view bytes, Encoding encoding) {
+  switch (encoding) {
+    case Encoding::plain: break;
+    case Encoding::utf16_little: return utf8_of_utf16(bytes, false);
+    case Encoding::utf16_big: return utf8_of_utf16(bytes, true);
+    case Encoding::utf32_little: return utf8_of_utf32(bytes, false);
+    case Encoding::utf32_big: return utf8_of_utf32(bytes, true);
+  }
+  return std::string(bytes);
+}
+
 }  // namespace
 
 bool needs_rewriting(std::string_view bytes) {
@@ -65,8 +91,8 @@ bool needs_rewriting(std::string_view bytes) {
 RewrittenText rewritten(std::string_view bytes) {
   const Encoding encoding = encoding_of(bytes);
   RewrittenText out;
-  out.text = encoding == Encoding::plain ? std::string(bytes) : utf8_of_utf16(bytes, encoding == Encoding::utf16_big);
-  if (encoding != Encoding::plain) out.note = "the text is UTF-16";
+  out.text = utf8_of(bytes, encoding);
+  if (encoding != Encoding::plain) out.note = encoding == Encoding::utf32_little || encoding == Encoding::utf32_big ? "the text is UTF-32" : "the text is UTF-16";
   if (ends_lines_in_cr(std::string_view(out.text).substr(0, kLookedAt))) {
     std::ranges::replace(out.text, '\r', '\n');
     out.note += out.note.empty() ? "the lines end in CR alone" : ", its lines end in CR alone";

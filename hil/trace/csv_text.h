@@ -6,7 +6,7 @@
 
 namespace forcegate {
 
-/// UTF-16, by its mark or by the zero bytes beside Latin letters, or lines that end in CR alone. Looks at the first 64 kB.
+/// UTF-32 by its mark, UTF-16 by its mark or by the zero bytes beside Latin letters, or lines that end in CR alone. Looks at the first 64 kB.
 bool needs_rewriting(std::string_view bytes);
 
 struct RewrittenText {

@@ -90,7 +90,9 @@ std::optional<double> duration_s(std::string_view text) {
 }
 
 bool zone(Scanner& s, double& seconds) {
-  if (s.at_end() || (s.one_of("Z") && s.at_end())) return true;
+  if (s.at_end()) return true;
+  s.one_of(" ");  // as many programs print it before the offset
+  if (s.one_of("Z") && s.at_end()) return true;
   int hours = 0, minutes = 0;
   for (const auto& [sign, name] : {std::pair{-1.0, "+"}, std::pair{1.0, "-"}})
     if (s.one_of(name)) {

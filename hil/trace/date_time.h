@@ -7,7 +7,7 @@
 
 namespace forcegate {
 
-/// Seconds since 1970-01-01 00:00 of "2026-11-21T10:00:00.123", with slashes, with a blank for the T, with Z or +01:00 behind;
+/// Seconds since 1970-01-01 00:00 of "2026-11-21T10:00:00.123", with slashes, with a blank for the T, with Z or +01:00 behind, after a blank too;
 /// of "21.11.2026 10:00:00,123"; seconds since midnight of "10:00:00.123" and "9:05:00 PM"; those of a duration of MATLAB, "0.01 sec", "1.5 min", "2 hr", "1 day". Fractions after a point or a comma, of a duration after a point. Nothing
 /// for any other text: a date with slashes and the year at its end does not say which number is the month.
 std::optional<double> seconds_of_stamp(std::string_view text);

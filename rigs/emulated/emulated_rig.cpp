@@ -72,6 +72,13 @@ RigInfo EmulatedRig::info() const {
   return info;
 }
 
+std::map<std::string, std::string> EmulatedRig::settings() const {
+  const auto on_off = [](bool on) { return std::string(on ? "on" : "off"); };
+  return {{"adc_bits", std::to_string(options_.adc_bits)}, {"hidden", sealed_sensor_hook(options_.hidden)},
+          {"noise", on_off(options_.noise)}, {"rate_Hz", shortest(options_.rate_Hz)},
+          {"sensor", options_.sensor == SensorType::fsr ? "fsr" : "flexiforce"}, {"session_spread", on_off(options_.session_spread)}};
+}
+
 Result<void> EmulatedRig::begin(const RigRecordRequest& request) {
   begun_ = false;
   FORCEGATE_TRY(const Specimen specimen, find_specimen(request.specimen));
@@ -356,7 +363,9 @@ Result<std::unique_ptr<Rig>> make_emulated(const std::map<std::string, std::stri
                     "use flexiforce or fsr");
       options.sensor = text == "fsr" ? SensorType::fsr : SensorType::flexiforce;
     } else if (name == "hidden") {
-      FORCEGATE_TRY(hidden, make_sensor_hook(text));
+      FORCEGATE_TRY(const std::string plain, unsealed_sensor_hook(text));
+      FORCEGATE_TRY(hidden, make_sensor_hook(plain));
+      FORCEGATE_TRY(options.hidden, resolved_sensor_hook(plain));
     } else if (name == "adc_bits") {
       FORCEGATE_TRY(const double bits, number_option(name, text, 8, 16));
       if (bits != std::floor(bits)) return fail(ErrorCode::config, "rig option adc_bits = " + shortest(bits) + " is no whole number", "rig emulated", "write 8 to 16");

@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 
@@ -34,6 +35,7 @@ struct EmulatedOptions {
   double rate_Hz = 1000.0;     ///< a multiple of 100
   bool session_spread = true;  ///< false: nominal G and F0
   bool noise = true;
+  std::string hidden = "none";  ///< what the sensor hides, as resolved_sensor_hook() says it; for settings() alone
 };
 
 class EmulatedRig final : public Rig {
@@ -42,6 +44,7 @@ class EmulatedRig final : public Rig {
   explicit EmulatedRig(const EmulatedOptions& options, std::unique_ptr<SensorHook> hidden = nullptr);
 
   RigInfo info() const override;
+  std::map<std::string, std::string> settings() const override;
   Result<void> begin(const RigRecordRequest& request) override;
   Result<void> command_velocity(double rad_per_s) override;
   Result<std::size_t> run(std::size_t n, RigBlock& out, std::size_t at) override;

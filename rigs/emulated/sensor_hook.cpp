@@ -1,14 +1,19 @@
 #include "rigs/emulated/sensor_hook.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 
 #include "hil/base/portable_math.h"
 #include "hil/base/text.h"
+#include "rigs/emulated/hidden/seal.h"
 #include "rigs/emulated/preisach_plane.h"
 
 namespace forcegate::emulated {
 namespace {
+
+constexpr std::string_view kSealed = "sealed:";
+constexpr const char *kNothing = "none", *kNonce = "sensor hook";
 
 /// Adds a share of the loop of a Preisach plane.
 class LoopHook final : public SensorHook {
@@ -71,9 +76,12 @@ const Registration<SensorHookKind> kLoop{{"hysteresis", "loop of a Preisach plan
 const Registration<SensorHookKind> kCreep{{"creep", "growth under load as a power of time", 0.08,
                                            [](double share) { return std::make_unique<CreepHook>(share); }}};
 
-}  // namespace
+struct NamedHook {
+  const SensorHookKind* kind = nullptr;
+  double strength = 0.0;
+};
 
-Result<std::unique_ptr<SensorHook>> make_sensor_hook(const std::string& text) {
+Result<NamedHook> named_hook(const std::string& text) {
   const std::size_t colon = text.find(':');
   const std::string name = text.substr(0, colon),
                     how = colon == std::string::npos ? "medium" : text.substr(colon + 1);
@@ -81,15 +89,44 @@ Result<std::unique_ptr<SensorHook>> make_sensor_hook(const std::string& text) {
   if (!kind)
     return fail(ErrorCode::config, "the emulated sensor cannot hide '" + printable_utf8(name) + "'", "rig emulated",
                 "it has: " + join(Registry<SensorHookKind>::instance().names(), ", "));
-  if (how == "weak") return kind->make(0.4 * kind->medium);
-  if (how == "medium") return kind->make(kind->medium);
-  if (how == "strong") return kind->make(2.5 * kind->medium);
+  if (how == "weak") return NamedHook{kind, 0.4 * kind->medium};
+  if (how == "medium") return NamedHook{kind, kind->medium};
+  if (how == "strong") return NamedHook{kind, 2.5 * kind->medium};
   double share = 0.0;
   const auto [end, error] = std::from_chars(how.data(), how.data() + how.size(), share);
   if (error != std::errc{} || end != how.data() + how.size() || !(share >= 0.0 && share <= 1.0))
     return fail(ErrorCode::config, "'" + printable_utf8(how) + "' is no strength", "rig emulated",
                 "use weak, medium, strong, or a share of the load from 0 to 1");
-  return kind->make(share);
+  return NamedHook{kind, share};
+}
+
+}  // namespace
+
+Result<std::unique_ptr<SensorHook>> make_sensor_hook(const std::string& text) {
+  if (text == kNothing) return std::unique_ptr<SensorHook>();
+  FORCEGATE_TRY(const NamedHook hook, named_hook(text));
+  return hook.kind->make(hook.strength);
+}
+
+Result<std::string> resolved_sensor_hook(const std::string& text) {
+  if (text == kNothing) return text;
+  FORCEGATE_TRY(const NamedHook hook, named_hook(text));
+  return hook.kind->name + ":" + shortest(hook.strength);
+}
+
+std::string sealed_sensor_hook(const std::string& resolved) {
+  constexpr std::size_t kLength = 40;  // of the longest, so that none is told by its length
+  const hidden::SealedSheet sheet = hidden::seal(resolved + std::string(kLength - std::min(kLength, resolved.size()), ' '), kNonce);
+  return std::string(kSealed) + sheet.commitment + ":" + sheet.sealed;
+}
+
+Result<std::string> unsealed_sensor_hook(const std::string& text) {
+  if (!text.starts_with(kSealed)) return text;
+  const std::string rest = text.substr(kSealed.size());
+  const std::size_t colon = rest.find(':');
+  const auto sheet = hidden::open({rest.substr(0, colon), kNonce, colon == std::string::npos ? "" : rest.substr(colon + 1)});
+  if (!sheet) return fail(ErrorCode::config, "what the sensor hides does not fit its seal: it was changed after it was sealed", "rig emulated", "take the text as forcegate record wrote it");
+  return std::string(trim(*sheet));
 }
 
 }  // namespace forcegate::emulated

@@ -32,8 +32,16 @@ struct SensorHookKind {
   std::function<std::unique_ptr<SensorHook>(double strength)> make;
 };
 
-/// "hysteresis:medium", "creep:0.08" (share of the load), "hysteresis" (medium). Errors: config, with the
+/// "hysteresis:medium", "creep:0.08" (share of the load), "hysteresis" (medium); null of "none". Errors: config, with the
 /// names.
 Result<std::unique_ptr<SensorHook>> make_sensor_hook(const std::string& text);
+
+/// The same with the strength as a share: "creep:0.2" of "creep:strong"; "none" of "none".
+Result<std::string> resolved_sensor_hook(const std::string& text);
+
+/// What a sensor hides must not be read in a file: masked as the sheet of a mystery is. unsealed_sensor_hook() gives other texts as they are; errors: config,
+/// where one was changed after it was sealed.
+std::string sealed_sensor_hook(const std::string& resolved);
+Result<std::string> unsealed_sensor_hook(const std::string& text);
 
 }  // namespace forcegate::emulated

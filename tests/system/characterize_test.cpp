@@ -186,6 +186,90 @@ TEST(Characterize, PlaysConductanceAndCapacitanceOnTheBenchOfWeights) {
       2);
 }
 
+// A sine whose maxima decay at 0.006 1/s.
+void write_decaying_sine(const fs::path& file) {
+  std::string csv = "t_s,U_V,F_ref_N\n";
+  for (int i = 0; i < 20000; ++i) {
+    const double t = 0.02 * i, s = 0.5 - 0.5 * std::cos(3.14159265358979 * t);
+    csv += std::to_string(t) + "," + std::to_string(2.0 + s * (4.0 * std::exp(-0.006 * t) + 1.0)) + "," + std::to_string(1.0 + 3.0 * s) + "\n";
+  }
+  write_text(file, csv);
+}
+
+TEST(Characterize, JudgesRecordingsByTheLimitsOfThePlan) {
+  const TemporaryFolder temporary;
+  const fs::path& folder = temporary.path();
+  write_decaying_sine(folder / "sine.csv");
+  const auto judged = [&](const std::string& key, const std::string& maximum) {
+    std::string plan = plan_with(maximum);
+    plan.replace(plan.find("step.sensor"), 11, key);
+    write_text(folder / "plan.toml", plan);
+    return forcegate({"characterize", "--record", folder / "sine.csv", "--plan", folder / "plan.toml", "-o", folder / "out"});
+  };
+  const ProcessResult kept = judged("recording.b", "0.1"), broken = judged("recording.b", "0.001"), unmeasured = judged("step.sensor", "250.0");
+  EXPECT_EQ(kept.exit_code, 0) << kept.out << kept.err;
+  EXPECT_THAT(kept.out, HasSubstr("kept  recording "));
+  EXPECT_EQ(broken.exit_code, 1);
+  EXPECT_THAT(broken.out, HasSubstr("BROKEN recording "));
+  EXPECT_THAT(broken.out, HasSubstr("1 of 1 recordings outside"));
+  EXPECT_EQ(unmeasured.exit_code, 1);
+  EXPECT_THAT(unmeasured.out, HasSubstr("step.sensor: not measured"));
+  const ProcessResult no_plan = forcegate({"characterize", "--record", folder / "sine.csv", "--plan", folder / "no.toml", "-o", folder / "out"});
+  EXPECT_EQ(no_plan.exit_code, 2) << no_plan.out;
+}
+
+TEST(Characterize, RefusesBesideARecordingWhatOnlyARigCanDo) {
+  const TemporaryFolder temporary;
+  const fs::path& folder = temporary.path();
+  write_decaying_sine(folder / "sine.csv");
+  for (const std::vector<std::string>& more : {std::vector<std::string>{"--specimen", "q50"}, {"--sessions", "2"}, {"--seed", "3"}, {"--golden", "golden"}}) {
+    std::vector<std::string> words{"characterize", "--record", folder / "sine.csv", "-o", folder / "out"};
+    words.insert(words.end(), more.begin(), more.end());
+    const ProcessResult r = forcegate(words);
+    EXPECT_EQ(r.exit_code, 2) << more[0];
+    EXPECT_THAT(r.err, HasSubstr("where: " + more[0]));
+    EXPECT_THAT(r.err, HasSubstr("leave " + more[0] + " out"));
+    EXPECT_FALSE(fs::exists(folder / "out"));
+  }
+}
+
+TEST(Characterize, DrawsTheFirstSpecimenThatIsNamedAndPlaysNoOther) {
+  const TemporaryFolder temporary;
+  const fs::path& folder = temporary.path();
+  write_text(folder / "plan.toml", plan_with("250.0"));
+  const std::vector<std::string> words{"characterize", "--plan", folder / "plan.toml", "--sessions", "1", "--specimen", "q75", "-o", folder / "out"};
+  const ProcessResult one = forcegate(words);
+  EXPECT_EQ(one.exit_code, 0) << one.err;
+  const auto study = nlohmann::json::parse(read_text(folder / "out/study.json"))["sensors"][0];
+  ASSERT_EQ(study["sessions"].size(), 1u);
+  EXPECT_EQ(study["samples"], study["sessions"][0]["samples"]);
+  const std::string gain = study["sessions"][0]["values"]["static.gain"].dump().substr(0, 4);
+  EXPECT_THAT(read_text(folder / "out/sheet-fsr.html"), ::testing::AllOf(HasSubstr("Drawn: specimen q75, session 0."), HasSubstr("G = " + gain)));
+  std::vector<std::string> two = words, twice = words;
+  two.insert(two.end(), {"--specimen", "q25"});
+  EXPECT_EQ(forcegate(two).exit_code, 0);
+  EXPECT_THAT(read_text(folder / "out/sheet-fsr.html"), HasSubstr("Drawn: specimen q75, session 0."));
+  twice.insert(twice.end(), {"--specimen", "q75"});
+  const ProcessResult refused = forcegate(twice);
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("specimen 'q75' is named twice"));
+  // what the plan draws beside its specimens
+  EXPECT_EQ(forcegate({"characterize", "--plan", folder / "plan.toml", "-o", folder / "out"}).exit_code, 0);
+  EXPECT_THAT(read_text(folder / "out/sheet-fsr.html"), HasSubstr("Drawn: specimen q50, session 0, which is in no table."));
+}
+
+TEST(Characterize, EndsInALineThatRecordsTheCampaignToCompareWith) {
+  const TemporaryFolder temporary;
+  const fs::path& folder = temporary.path();
+  write_text(folder / "plan.toml", plan_with("250.0"));
+  const std::vector<std::string> words{"characterize", "--plan", folder / "plan.toml", "-o", folder / "out"};
+  const std::string campaign = folder / "out/campaign";
+  EXPECT_THAT(forcegate(words).out, HasSubstr("\nnext: forcegate record --specimen q25 --seed 5 --rig-option sensor=fsr -o " + campaign + "\n"));
+  fs::create_directories(campaign);
+  write_text(campaign + "/campaign.json", "{}");
+  EXPECT_THAT(forcegate(words).out, HasSubstr("\nnext: forcegate compare " + campaign + " --model " + (folder / "out/fsr.toml").string() + "\n"));
+}
+
 TEST(Characterize, SaysWhatIsWrongWithARequest) {
   EXPECT_EQ(forcegate({"characterize", "--plan", "no-such-plan"}).exit_code, 2);
   const ProcessResult gate_plan =

@@ -46,6 +46,32 @@ minima_pct = 95
 limit_source = "ours"
 )";
 
+// An image of the native port around the inside of its process function.
+constexpr const char* kImage = R"(#include <string.h>
+#include <time.h>
+#ifdef __cplusplus
+#include <vector>
+extern "C" {
+#endif
+#include "ports/native.h"
+static float gain, offset;
+uint32_t forcegate_native_abi(void) { return FORCEGATE_NATIVE_ABI; }
+int32_t forcegate_native_open(uint32_t nonce, const ForcegateNativeCalibration* in, ForcegateNativeInfo* info) {
+  memset(info, 0, sizeof *info);
+  info->nonce = nonce, info->protocol_major = 1, info->rate_Hz = 1000, info->calibration = *in;
+  memcpy(info->board, "native", 6), memcpy(info->algorithm_id, "clock/1", 7);
+  memcpy(info->build_id, "0123456789012345678901234567890123456789", 40);
+  gain = in->gain_N_per_V * in->v_range_V / (float)((1u << in->adc_bits) - 1u), offset = in->offset_N;
+  return 0;
+}
+int32_t forcegate_native_process(uint32_t first, uint32_t n, const uint16_t* adc, float* force_N, uint8_t* flags) {
+PROCESS}
+void forcegate_native_close(void) {}
+#ifdef __cplusplus
+}
+#endif
+)";
+
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
   for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size()) text.replace(at, from.size(), to);
   return text;
@@ -60,6 +86,14 @@ class GateEvidence : public ::testing::Test {
     line.insert(line.end(), more.begin(), more.end());
     return run(line, options);
   }
+  /// "clock.c" or "clock.cpp": the image of the port with this inside of its process function.
+  std::string built(const std::string& name, const std::string& process) {
+    const std::string source = folder / name, image = source + ".so";
+    write_text(source, replaced(kImage, "PROCESS", process));
+    const ProcessResult made = run_process({name.ends_with(".c") ? "cc" : "c++", "-shared", "-fPIC", "-O1", "-I", FORCEGATE_SOURCE_DIR "/rigs/firmware", "-o", image, source});
+    EXPECT_EQ(made.exit_code, 0) << made.err;
+    return image;
+  }
   Json result(const std::string& name) { return Json::parse(read_text(folder / (name + "/result.json"))); }
 
   TemporaryFolder folder;
@@ -67,30 +101,11 @@ class GateEvidence : public ::testing::Test {
 };
 
 TEST_F(GateEvidence, AnImageThatDoesNotRepeatItselfIsRejectedForIt) {
-  const std::string source = folder / "clock.c", image = folder / "clock.so";
-  write_text(source, R"(#include <string.h>
-#include <time.h>
-#include "ports/native.h"
-static float gain, offset;
-uint32_t forcegate_native_abi(void) { return FORCEGATE_NATIVE_ABI; }
-int32_t forcegate_native_open(uint32_t nonce, const ForcegateNativeCalibration* in, ForcegateNativeInfo* info) {
-  memset(info, 0, sizeof *info);
-  info->nonce = nonce, info->protocol_major = 1, info->rate_Hz = 1000, info->calibration = *in;
-  memcpy(info->board, "native", 6), memcpy(info->algorithm_id, "clock/1", 7);
-  memcpy(info->build_id, "0123456789012345678901234567890123456789", 40);
-  gain = in->gain_N_per_V * in->v_range_V / (float)((1u << in->adc_bits) - 1u), offset = in->offset_N;
-  return 0;
-}
-int32_t forcegate_native_process(uint32_t first, uint32_t n, const uint16_t* adc, float* force_N, uint8_t* flags) {
-  struct timespec now;
+  const std::string image = built("clock.c", R"(  struct timespec now;
   clock_gettime(CLOCK_MONOTONIC, &now);
   for (uint32_t i = 0; i < n; ++i) force_N[i] = gain * (float)adc[i] + offset + 1e-6f * (float)(now.tv_nsec % 1000), flags[i] = 0;
   return 0;
-}
-void forcegate_native_close(void) {}
 )");
-  const ProcessResult made = run_process({"cc", "-shared", "-fPIC", "-O1", "-I", FORCEGATE_SOURCE_DIR "/rigs/firmware", "-o", image, source});
-  ASSERT_EQ(made.exit_code, 0) << made.err;
   const ProcessResult r = gate(image, "run");
   EXPECT_EQ(r.exit_code, 1) << r.out << r.err;
   const Json stored = result("run");
@@ -106,6 +121,22 @@ void forcegate_native_close(void) {}
   gate(image, "doubt");
   EXPECT_THAT(result("doubt")["checks"].dump(), HasSubstr("firmware_repeats"));
   EXPECT_TRUE(!fs::exists(folder / "doubt/traces") || fs::is_empty(folder / "doubt/traces"));
+}
+
+TEST_F(GateEvidence, AnImageThatThrowsIsRejectedForWhatItThrows) {
+  const auto thrown_by = [&](const std::string& name, const std::string& process) {
+    const ProcessResult r = gate(built(name + ".cpp", process), name);
+    EXPECT_EQ(r.exit_code, 1) << r.out << r.err;
+    const Json decision = result(name)["decision"];
+    EXPECT_EQ(decision["blame"], "firmware");
+    return decision["reason"].get<std::string>();
+  };
+  const std::string answer = "  for (uint32_t i = 0; i < n; ++i) force_N[i] = gain * (float)adc[i] + offset, flags[i] = 0;\n";
+  EXPECT_THAT(thrown_by("number", answer + "  if (first >= 30000) throw 1;\n  return 0;\n"), HasSubstr("the image throws a C++ exception in the block of"));
+  EXPECT_THAT(thrown_by("range", answer + "  static std::vector<int> three(3);\n  return first < 30000 ? 0 : three.at(first);\n"), HasSubstr("vector::_M_range_check"));
+  // Within the loader no exception can be caught.
+  EXPECT_THAT(thrown_by("loaded", answer + "  struct Thrower { Thrower() { throw 1; } };\n  return 0;\n}\nstruct AtStart { AtStart() { throw 1; } } at_start;\nstatic void unused() {\n"),
+              HasSubstr("ABRT"));
 }
 
 TEST_F(GateEvidence, APartOfAPlanIsToldAsOneAndNoSpecimenCountsTwice) {

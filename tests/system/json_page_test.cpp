@@ -83,6 +83,7 @@ TEST_F(JsonPage, NamesEveryKeyOfGateAndLeague) {
     forcegate({"gate", FORCEGATE_BINARY_DIR "/firmware/" + std::string(image) + ".native.so", "--plan", "mine.toml", "-o", name}, {.folder = folder.path()});
   }
   told("check", answer({"check", "a"}), 11);
+  told("report", answer({"report", "a"}), 6);
   told("diff", answer({"diff", "a", "b"}), 10);
   told("record", answer({"record", "--plan", "mine.toml", "-o", "film"}), 5);
   told("mystery", answer({"mystery", "--seed", "4", "hidden"}), 7);
@@ -99,6 +100,30 @@ TEST_F(JsonPage, NamesEveryKeyOfGateAndLeague) {
   told("stimulus", answer({"stimulus", "sine", "f_Hz=0.5", "A_N=1", "m_N=2"}), 14);
   told("bench list and doctor", answer({"bench", "list"}), 2);
   told("bench list and doctor", answer({"doctor"}), 3);
+}
+
+TEST_F(JsonPage, NamesEveryKeyOfACharacterisation) {
+  write_text(folder / "plan.toml", "format = 1\nkind = \"characterize\"\nname = \"short\"\nseed = 5\n[population]\nspecimens = [\"q25\", \"q75\"]\nsessions = 1\nexemplar = \"\"\n"
+                                   "[procedures]\nfsr = [\"static_calibration\", \"step_response\"]\n[[limit]]\nkey = \"step.sensor\"\nmaximum = 250\nsource = \"a test\"\n");
+  told("characterize", answer({"characterize", "--plan", "plan.toml", "-o", "out"}), 8);
+  Json study = Json::parse(read_text(folder / "out/study.json"));
+  for (Json& session : study["sensors"][0]["sessions"]) session["values"].clear();  // their names are those of the quantities
+  told("characterize", study, 7);
+}
+
+TEST_F(JsonPage, NamesEveryKeyOfWordsAboutTheProgram) {
+  told("explain", answer({"explain"}), 2);
+  told("version, completion and man", answer({"version"}), 3);
+  told("version, completion and man", answer({"completion", "bash"}), 3);
+  told("version, completion and man", answer({"man"}), 2);
+  for (const char* verb : {"gate", "characterize", "explain"}) {
+    Json help = answer({verb, "--help"});
+    help["exit_codes"].clear();
+    told("help", help, 9);
+  }
+  Json all = answer({"--help"});
+  all["exit_codes"].clear();
+  told("help", all, 4);
 }
 
 // At one frequency a delay and a lag are the same.

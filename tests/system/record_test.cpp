@@ -124,6 +124,37 @@ TEST_F(Record, SaysAllThatDiffersFromTheCampaignThatIsThere) {
   EXPECT_THAT(asked({}), HasSubstr("already: forcegate record did not make it\n"));
 }
 
+TEST_F(Record, DoesNotGoOnWithAnotherRigOption) {
+  const std::string file = plan("40"), out = folder / "mine";
+  ASSERT_EQ(forcegate({"record", "--plan", file, "-o", out}).exit_code, 0);
+  const auto asked = [&](const std::string& option) {
+    const ProcessResult r = forcegate({"record", "--plan", file, "--continue", "--rig-option", option, "-o", out});
+    EXPECT_EQ(r.exit_code, 2) << r.out;
+    return r.err;
+  };
+  for (const auto& [option, told] : {std::pair{"sensor=fsr", "sensor flexiforce there, fsr asked"}, {"hidden=creep:strong", "hidden another there"},
+                                     {"adc_bits=10", "adc_bits 16 there, 10 asked"}, {"noise=0", "noise on there, off asked"}})
+    EXPECT_THAT(asked(option), HasSubstr(std::string("already: rig option ") + told + "\n"));
+  EXPECT_THAT(asked("rate_Hz=500"), HasSubstr("rig option rate_Hz 1000 there, 500 asked"));
+  EXPECT_THAT(asked("hidden=none"), HasSubstr("there is a campaign already, with 2 of the 2 records"));
+  EXPECT_THAT(asked("adc_bits=16"), HasSubstr("there is a campaign already, with 2 of the 2 records")) << "it has 16 anyway";
+}
+
+TEST_F(Record, IsRefusedInAFolderThatAnotherRunFills) {
+  const std::string out = folder / "mine";
+  fs::create_directories(out);
+  for (const std::vector<std::string>& words : {std::vector<std::string>{"record", "--plan", plan("40")}, {"characterize", "--specimen", "q50", "--sessions", "1"}}) {
+    // the lock is held by the shell, whose child would be the second to write
+    std::vector<std::string> line{"bash", "-c", "exec 9<\"$0\"; flock 9; exec \"$@\"", out, FORCEGATE_BINARY_DIR "/forcegate"};
+    line.insert(line.end(), words.begin(), words.end());
+    line.insert(line.end(), {"-o", out});
+    const ProcessResult r = run_process(line, {.timeout = std::chrono::seconds(60)});
+    EXPECT_EQ(r.exit_code, 2) << r.out << r.err;
+    EXPECT_THAT(r.err, HasSubstr("another run is writing there now"));
+    EXPECT_TRUE(fs::is_empty(out));
+  }
+}
+
 TEST_F(Record, TellsTheTrueRateOfItsRows) {
   const std::vector<std::string> line{"record", "--plan", plan("40"), "--rate", "600", "-o", folder / "mine"};
   const ProcessResult r = forcegate(line);

@@ -6,12 +6,15 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <utility>
 
 #include "golden/compare/lebosse_oracle.h"
 #include "hil/app/characterize/recordings.h"
+#include "hil/app/files/claimed_folder.h"
 #include "hil/app/files/find_plan.h"
 #include "hil/app/files/own_file.h"
 #include "hil/app/files/write_file.h"
+#include "hil/base/repeated.h"
 #include "hil/base/text.h"
 #include "hil/interface/dut.h"
 #include "hil/report/characterization/data_sheet.h"
@@ -122,6 +125,30 @@ Result<void> check_specimens(Rig& rig, const std::vector<std::string>& specimens
   return {};
 }
 
+// A recording has the specimen, the session and the draw that it has, and only a session on a rig gives golden traces.
+Result<void> check_beside_recordings(const CharacterizeRequest& request) {
+  for (const auto& [given, option] : {std::pair<bool, const char*>{!request.specimens.empty(), "--specimen"},
+                                      {request.sessions.has_value(), "--sessions"},
+                                      {request.seed.has_value(), "--seed"},
+                                      {!request.golden.empty(), "--golden"}})
+    if (given)
+      return fail(ErrorCode::usage, "this option is for a rig that plays, and recordings are characterised as they are", option,
+                  fmt::format("leave {} out, or --record", option));
+  return {};
+}
+
+Result<void> study_of_recordings(const CharacterizeRequest& request, characterize::BenchProgress& state, Characterization& out) {
+  FORCEGATE_CHECK_OK(check_beside_recordings(request));
+  if (!request.plan.empty()) {
+    FORCEGATE_TRY(const fs::path path, find_plan(request.plan));
+    FORCEGATE_TRY(characterize::StudyPlan plan, characterize::read_study_plan(path));
+    out.plan.limits = std::move(plan.limits);
+  }
+  FORCEGATE_TRY(SensorStudy study, study_recordings(request, out.plan, state));
+  out.studies.push_back(std::move(study));
+  return {};
+}
+
 Result<void> study_rig(const CharacterizeRequest& request,
                        const std::function<void(double, std::string_view)>& progress,
                        characterize::BenchProgress& state, Characterization& out) {
@@ -130,6 +157,8 @@ Result<void> study_rig(const CharacterizeRequest& request,
   if (request.seed) out.plan.seed = *request.seed;
   if (request.sessions) out.plan.sessions = *request.sessions;
   if (!request.specimens.empty()) {
+    if (const std::string* twice = first_repeated(request.specimens))
+      return fail(ErrorCode::usage, fmt::format("specimen '{}' is named twice", printable_utf8(*twice)), "--specimen", "name every specimen once");
     out.plan.specimens = request.specimens;
     out.plan.identification.assign(
         request.specimens.begin(),
@@ -156,6 +185,8 @@ Result<void> study_rig(const CharacterizeRequest& request,
     study.plan.exemplar.clear();
   } else {
     study.threads = request.threads;
+    // who names a specimen wants that one's pictures, and pays for no other
+    study.first_is_exemplar = !request.specimens.empty();
     FORCEGATE_CHECK_OK(check_specimens(*probe, out.plan.specimens));
   }
   study.compensation = oracle_compensation;
@@ -193,13 +224,13 @@ Result<Characterization> characterize_request(const CharacterizeRequest& request
                                               const std::function<void(double, std::string_view)>& progress,
                                               const std::atomic<bool>* cancelled) {
   if (request.sensors.empty()) return fail(ErrorCode::usage, "no sensor is named");
+  FORCEGATE_TRY(const ClaimedFolder folder, ClaimedFolder::take(request.output));
   FORCEGATE_CHECK_OK(check_output(request));
   Characterization out;
   characterize::BenchProgress state;
   state.cancelled = cancelled;
   if (!request.recordings.empty()) {
-    FORCEGATE_TRY(SensorStudy study, study_recordings(request, out.plan, state));
-    out.studies.push_back(std::move(study));
+    FORCEGATE_CHECK_OK(study_of_recordings(request, state, out));
   } else {
     FORCEGATE_CHECK_OK(study_rig(request, progress, state, out));
   }

@@ -16,11 +16,11 @@
 namespace forcegate {
 
 struct CharacterizeRequest {
-  std::string plan = "characterize";  ///< file, or name of a plan in ci/plans
+  std::string plan = "characterize";  ///< file, or name of a plan in ci/plans; of it recordings take the limits, of "" none
   std::string rig = "emulated";
   std::map<std::string, std::string> rig_options;
   std::vector<std::string> sensors{"flexiforce", "fsr"};
-  std::vector<std::filesystem::path> recordings;  ///< rig replay: instead of the plan
+  std::vector<std::filesystem::path> recordings;  ///< rig replay: instead of what the plan plays
   std::vector<std::string> specimens;             ///< instead of the plan's
   std::optional<int> sessions;
   std::optional<std::uint64_t> seed;

@@ -1,5 +1,6 @@
 #include "hil/app/characterize/weight_study.h"
 
+#include "hil/app/files/claimed_folder.h"
 #include "hil/app/files/find_plan.h"
 #include "hil/app/files/own_file.h"
 #include "hil/app/files/write_file.h"
@@ -35,6 +36,7 @@ Result<MadeWeightStudy> weight_study_request(const CharacterizeRequest& request,
   study.threads = request.threads;
   study.progress = progress;
   study.cancelled = cancelled;
+  FORCEGATE_TRY(const ClaimedFolder folder, ClaimedFolder::take(request.output));
   if (!request.output.empty() && !request.overwrite) {
     FORCEGATE_CHECK_OK(check_own_file(request.output / "capacitance.json", "\"kind\": \"capacitance\""));
     FORCEGATE_CHECK_OK(check_own_file(request.output / "networks.h", "written by `forcegate characterize"));

@@ -8,6 +8,7 @@
 #include "hil/app/diagnose/what_next.h"
 #include "hil/base/plain_number.h"
 #include "hil/base/text.h"
+#include "hil/diagnose/next/segments.h"
 
 namespace forcegate {
 
@@ -36,12 +37,21 @@ std::string which_plan(const Diagnosis& d) {
              : "the plan " + plan + " plays some of it\n";
 }
 
+// Segments of an earlier `next --run` that left open what is open.
+std::string told_played(const Diagnosis& d) {
+  std::vector<std::string> played;
+  for (const diagnose::Segment& s : diagnose::segments())
+    for (const RecordError& r : d.records)
+      if (diagnose::is_record_of(r.record, s)) played.push_back(s.name + " (" + r.record + ")");
+  return played.empty() ? "" : "played already, and what is open is open all the same, so not asked for again: " + join(played, ", ") + "\n";
+}
+
 std::string without_segments(const Diagnosis& d) {
   if (!d.not_separable.empty()) {
     const std::vector<std::string>& rivals = d.not_separable.front();
     const bool own = std::ranges::any_of(rivals, [](const std::string& effect) { return EffectRegistry::instance().find(effect) == nullptr; });
     std::string out = "not separable here: " + join(rivals, " or ") + "; none of the short segments that a rig can play would part them\n" +
-                      (own ? "what shows the library's effects as a rule:\n" : "what would:\n");
+                      told_played(d) + (own ? "what shows the library's effects as a rule:\n" : "what would:\n");
     for (const std::string& effect : rivals)
       if (const std::string how = what_parts(effect); !how.empty()) out += "  " + effect + ": " + how + "\n";
     if (own) out += "an equation of your own that answers alike wherever the force can be played predicts the same: take the one that you can explain\n";
@@ -55,7 +65,7 @@ std::string without_segments(const Diagnosis& d) {
     return out + which_plan(d);
   }
   // open all the same, and no segment is of use
-  if (!d.next_experiment.sentence.empty()) return d.next_experiment.sentence + "\n" + which_plan(d);
+  if (!d.next_experiment.sentence.empty()) return d.next_experiment.sentence + "\n" + told_played(d) + which_plan(d);
   if (const Finding* open = open_name(d); open != nullptr)
     return "something is missing; " + open->effect + " would explain it and is not claimed" +
            (open->reservations.empty() ? "" : ": " + open->reservations.back().why) + "\nwhat would settle it:\n  " + open->effect + ": " + what_parts(open->effect) + "\n" + which_plan(d);
@@ -89,6 +99,7 @@ std::string next_text(const Diagnosis& d) {
     if (s.heats) out += fmt::format("  while it warms up by {:g} degC", s.rise_degC);
     out += "\n";
   }
+  out += told_played(d);
   if (files) out += "no profile of the list is the force of a replay: -o FOLDER writes its file, FOLDER/profiles/...\n";
   out += "odds behind the arrow: what to expect if the first one of the two is there\n";
   if (n.segments.size() > 1) out += "the first odds are those of the diagnosis; a later segment starts from what those above it leave\n";

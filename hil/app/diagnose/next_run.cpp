@@ -171,12 +171,13 @@ Result<ToPlay> deal_segments(const NextRunRequest& request, bool sealed, std::ve
   return to_play;
 }
 
-Result<void> play(const NextRunRequest& request, const ToPlay& to_play, const RecordingProgress& progress, const std::atomic<bool>* cancelled, NextRunResult& out) {
+Result<void> play(const RecordingBench& bench, const ClaimedFolder& folder, const ToPlay& to_play, const RecordingProgress& progress, const std::atomic<bool>* cancelled,
+                  NextRunResult& out) {
   if (!to_play.on_rig.empty()) {
     const auto of_playing = [&](double fraction, std::string_view now) {
       if (progress) progress(0.2 + 0.5 * fraction, now);
     };
-    FORCEGATE_TRY(const std::vector<RecordedFile> files, record_profiles(request.bench, to_play.on_rig, out.folder, of_playing, cancelled));
+    FORCEGATE_TRY(const std::vector<RecordedFile> files, record_profiles(bench, to_play.on_rig, folder, of_playing, cancelled));
     for (std::size_t k = 0; k < files.size(); ++k) out.segments[k].file = files[k].file;
   }
   if (!to_play.on_mystery.empty()) {
@@ -227,6 +228,7 @@ Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingPro
   NextRunResult out;
   std::error_code error;
   const bool on_rig = !is_replay(request), sealed = on_rig && is_mystery(request.campaign.campaign);
+  FORCEGATE_TRY(const BenchToGoOn to_go_on, bench_to_go_on(request.campaign.campaign, request.bench));
   if (progress) progress(0.0, "diagnosing what there is");
   FORCEGATE_TRY(out.before, diagnose_request(request.campaign));
   out.planned = out.before.next_experiment;
@@ -235,12 +237,13 @@ Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingPro
   if (from.filename().empty()) from = from.parent_path();
   out.folder = !request.output.empty() ? request.output : next_folder(from);
   FORCEGATE_TRY(std::vector<Recording> recordings, read_recordings(request.recorded));
+  FORCEGATE_TRY(const ClaimedFolder folder, ClaimedFolder::take(out.folder));
   FORCEGATE_CHECK_OK(check_new(out.folder, request.recorded));
-  CampaignCopy copy(out.folder, !on_rig || fs::exists(out.folder, error));
+  CampaignCopy copy(out.folder, !on_rig || !folder.is_new());
   FORCEGATE_CHECK_OK(copy_campaign(from, out.folder));
   FORCEGATE_TRY(const ToPlay to_play, deal_segments(request, sealed, std::move(recordings), out));
-  out.on_stock_sensor = !to_play.on_rig.empty() && request.bench.rig == "emulated";
-  FORCEGATE_CHECK_OK(play(request, to_play, progress, cancelled, out));
+  out.on_stock_sensor = !to_play.on_rig.empty() && request.bench.rig == "emulated" && !to_go_on.known;
+  FORCEGATE_CHECK_OK(play(to_go_on.bench, folder, to_play, progress, cancelled, out));
   if (out.segments.empty())
     return fail(ErrorCode::usage, "none of the segments can be played here: " + out.skipped.front(),
                 on_rig ? from.string() : request.recorded.front().string(), "record one of them and give it with --record");

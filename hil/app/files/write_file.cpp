@@ -36,6 +36,13 @@ Result<void> make_folder(const std::filesystem::path& folder) {
   return fail(ErrorCode::io, "cannot make the folder: " + error.message(), folder.string(), "name a folder below one that you may write into; check its permissions and the free space");
 }
 
+std::vector<std::filesystem::path> missing_folders(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  std::vector<std::filesystem::path> out;
+  for (std::filesystem::path above = folder; !above.empty() && !std::filesystem::exists(std::filesystem::symlink_status(above, ignored)); above = above.parent_path()) out.push_back(above);
+  return out;
+}
+
 Result<void> check_writable(const std::filesystem::path& name) {
   namespace fs = std::filesystem;
   FORCEGATE_TRY(const fs::path path, output_path(name));
@@ -47,8 +54,7 @@ Result<void> check_writable(const std::filesystem::path& name) {
   if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored)) return {};  // a pipe or a terminal
   // folders that will be made are made and taken away again: permissions alone do not tell of every file system
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  std::vector<fs::path> missing;
-  for (fs::path above = folder; !above.empty() && !fs::exists(above, ignored); above = above.parent_path()) missing.push_back(above);
+  const std::vector<fs::path> missing = missing_folders(folder);
   const auto take_away = [&] {
     for (const fs::path& made : missing) fs::remove(made, ignored);
   };

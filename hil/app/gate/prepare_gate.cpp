@@ -8,6 +8,7 @@
 #include "hil/app/gate/gate_jobs.h"
 #include "hil/app/gate/same_profile.h"
 #include "hil/app/gate/wire_faults.h"
+#include "hil/base/repeated.h"
 #include "hil/base/text.h"
 #include "hil/gate/board_faults.h"
 #include "hil/gate/calibrate.h"
@@ -19,10 +20,8 @@ namespace {
 // Twice the same specimen is one piece of evidence, and u of the panel's mean would shrink all the same.
 Result<void> select_panel(const GateRequest& request, Plan& plan) {
   if (request.panel.empty()) return {};
-  std::set<std::string> seen;
-  for (const std::string& specimen : request.panel)
-    if (!seen.insert(specimen).second)
-      return fail(ErrorCode::usage, fmt::format("specimen '{}' is named twice", printable_utf8(specimen)), "--specimen", "name every specimen once");
+  if (const std::string* twice = first_repeated(request.panel))
+    return fail(ErrorCode::usage, fmt::format("specimen '{}' is named twice", printable_utf8(*twice)), "--specimen", "name every specimen once");
   plan.panel = request.panel;
   for (PlanCase& c : plan.cases) c.specimens.clear();
   return {};

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <tuple>
 
+#include "hil/base/some_of.h"
 #include "hil/base/text.h"
 #include "hil/trace/channels.h"
 #include "hil/trace/column_map.h"
@@ -140,7 +141,7 @@ Result<void> check_channels(const Campaign& campaign, const std::vector<std::str
           in_grams = c.name;
       }
       const std::string nothing_left = of_text.empty() ? no_column_left_advice(record.trace) : "";
-      return fail(ErrorCode::parse, std::string("no column is the ") + what + ": there are " + join(columns, ", ") + of_text,
+      return fail(ErrorCode::parse, std::string("no column is the ") + what + ": there are " + some_columns(columns) + of_text,
                   record.place_of_header(),
                   !away.empty() ? away
                   : of_text.find(" is a meter over its range") != std::string::npos

@@ -172,6 +172,20 @@ std::vector<double> residual_of(const ModelledRecord& m) {
   return out;
 }
 
+// Of the load without the steps in which the reference reads; empty where no column tells, or not in every row.
+std::vector<double> command_of(const ModelledRecord& m) {
+  const RecordInput& r = *m.input;
+  std::vector<double> out = r.F_cmd_N;
+  if (out.size() != r.rows()) {
+    out = r.theta_rad;
+    for (double& angle : out) angle = 1.0 - std::cos(angle);
+  }
+  if (out.size() != r.rows()) return {};
+  for (std::size_t i = 0; i < out.size(); ++i)
+    if (m.ok[i] != 0 && !std::isfinite(out[i])) return {};
+  return out;
+}
+
 std::optional<ResidualSpectrum> spectrum_of(const ModelledRecord& m, const ModelledRecord* after) {
   constexpr std::size_t kShortest = 64, kLongest = 2048;
   std::vector<double> residual = residual_of(m), load(residual.size());
@@ -193,6 +207,10 @@ std::optional<ResidualSpectrum> spectrum_of(const ModelledRecord& m, const Model
     std::vector<double> left = residual_of(*after);
     stretches(ok, left);
     if (auto of_left = density(left, where, length, step_s)) out.after = std::move(*of_left);
+  }
+  if (std::vector<double> command = command_of(m); !command.empty()) {
+    stretches(ok, command);
+    if (auto of_command = density(command, where, length, step_s)) out.command = std::move(*of_command);
   }
   for (std::size_t k = 1; k <= out.residual.size(); ++k)
     out.f_Hz.push_back(static_cast<double>(k) / (static_cast<double>(length) * step_s));

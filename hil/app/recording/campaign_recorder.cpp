@@ -8,7 +8,6 @@
 #include <optional>
 
 #include "hil/app/files/write_file.h"
-#include "hil/base/output_path.h"
 #include "hil/base/some_of.h"
 #include "hil/gate/play_profile.h"
 #include "hil/trace/recording_files.h"
@@ -80,7 +79,7 @@ Result<Json> description_of(const fs::path& list, const fs::path& folder) {
   return json;
 }
 
-void describe_bench(Json& json, const RecordingBench& bench, const RigInfo& rig) {
+void describe_bench(Json& json, const RecordingBench& bench, const RigInfo& rig, const std::map<std::string, std::string>& settings) {
   const auto sensor = rig.details.find("sensor");
   json["sensor"] = (sensor == rig.details.end() ? rig.id : sensor->second) + ", specimen " + bench.specimen;
   json["bench"] = {{"spring_N_per_mm", rig.geometry.spring_N_per_mm},
@@ -95,6 +94,7 @@ void describe_bench(Json& json, const RecordingBench& bench, const RigInfo& rig)
                            {"session", bench.session},
                            {"rate_Hz", rate_of_rows(rig.rate_Hz, bench.rate_Hz)},
                            {"rig_rate_Hz", rig.rate_Hz}};
+  if (!settings.empty()) json["recorded_with"]["rig_options"] = settings;
   json["records"] = Json::array();
 }
 
@@ -123,15 +123,6 @@ Json describe_record(const std::string& file, const ProfileToRecord& p, const St
   }
   return r;
 }
-
-/// A folder that was made for nothing.
-struct RemovedWhenEmpty {
-  fs::path folder;
-  ~RemovedWhenEmpty() {
-    std::error_code not_empty;
-    if (!folder.empty()) fs::remove(folder, not_empty);
-  }
-};
 
 /// A campaign.json that lists the new records alone would hide those that the folder holds.
 Result<void> check_nothing_is_hidden(const fs::path& folder) {
@@ -179,8 +170,9 @@ std::string file_of_record(std::size_t number, const std::string& name) { return
 
 Result<std::vector<RecordedFile>> record_profiles(const RecordingBench& bench,
                                                   const std::vector<ProfileToRecord>& profiles,
-                                                  const fs::path& folder, const RecordingProgress& progress,
+                                                  const ClaimedFolder& claimed, const RecordingProgress& progress,
                                                   const std::atomic<bool>* cancelled) {
+  const fs::path& folder = claimed.path();
   FORCEGATE_TRY(const std::unique_ptr<Rig> rig, make_rig(bench.rig, bench.rig_options));
   const RigInfo info = rig->info();
   if (!info.can_move)
@@ -193,15 +185,11 @@ Result<std::vector<RecordedFile>> record_profiles(const RecordingBench& bench,
     total_s += stimulus->duration_s();
     made.push_back(std::move(stimulus));
   }
-  FORCEGATE_CHECK_OK(output_path(folder));
   FORCEGATE_CHECK_OK(check_nothing_is_hidden(folder));
   std::error_code error;
-  RemovedWhenEmpty made_folder;
-  if (fs::create_directories(folder, error)) made_folder.folder = folder;
-  if (error) return fail(ErrorCode::io, "cannot make the folder: " + error.message(), folder.string(), "check the folder above it, its permissions and the free space");
   const fs::path list = folder / "campaign.json";
   FORCEGATE_TRY(Json json, description_of(list, folder));
-  if (!json.contains("records")) describe_bench(json, bench, info);
+  if (!json.contains("records")) describe_bench(json, bench, info, rig->settings());
   double campaign_s = 0.0;
   for (const Json& r : json["records"])
     campaign_s = std::max(campaign_s, r.value("start_s", 0.0) + r.value("duration_s", 0.0));

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "hil/app/files/claimed_folder.h"
 #include "hil/base/result.h"
 #include "hil/gate/plan.h"
 
@@ -49,11 +50,11 @@ using RecordingProgress = std::function<void(double fraction, std::string_view n
 
 /// Plays the profiles one after the other and writes them into `folder`, which must hold a campaign already (they are
 /// appended to its campaign.json) or none. Record numbers and campaign time go on where the campaign ends. An existing
-/// file is never overwritten, and no folder is left that holds nothing. Errors: those of the rig; usage when the rig cannot
+/// file is never overwritten. Errors: those of the rig; usage when the rig cannot
 /// move, or the folder holds recordings and no campaign.json.
 Result<std::vector<RecordedFile>> record_profiles(const RecordingBench& bench,
                                                   const std::vector<ProfileToRecord>& profiles,
-                                                  const std::filesystem::path& folder,
+                                                  const ClaimedFolder& folder,
                                                   const RecordingProgress& progress = {},
                                                   const std::atomic<bool>* cancelled = nullptr);
 

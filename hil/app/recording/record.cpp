@@ -6,11 +6,12 @@
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <tuple>
+#include <optional>
 
 #include "hil/app/files/find_plan.h"
+#include "hil/app/recording/recorded_bench.h"
+#include "hil/base/read_file.h"
 #include "hil/base/text.h"
 
 namespace forcegate {
@@ -26,47 +27,21 @@ struct Recorded {
   std::vector<std::string> differs;  ///< what makes it another one: "seed 1 there, 2 asked"
 };
 
-std::string plain(const Json& value) {
-  return value.is_null()           ? "none"
-         : value.is_string()       ? printable_utf8(value.get<std::string>())
-         : value.is_number_float() ? shortest(value.get<double>())
-                                   : value.dump();
-}
-
-std::string there_and_asked(const std::string& what, const std::string& there, const std::string& asked) {
-  return fmt::format("{} {} there, {} asked", what, there, asked);
-}
-
-std::string specimen_of(const Json& campaign) {
-  constexpr std::string_view kBefore = ", specimen ";
-  const std::string sensor = campaign.value("sensor", Json()).is_string() ? campaign["sensor"].get<std::string>() : "";
-  const std::size_t at = sensor.rfind(kBefore);
-  return at == std::string::npos ? "none" : printable_utf8(sensor.substr(at + kBefore.size()));
-}
-
-Recorded recorded_of(const fs::path& list, const std::vector<ProfileToRecord>& profiles, const RecordingBench& bench) {
-  std::ifstream file(list, std::ios::binary);
-  const auto json = Json::parse(file, nullptr, false, true);
-  if (!json.is_object() || !json.contains("records") || !json["records"].is_array()) return {0, {"its campaign.json has no list of records"}};
-  const Json with = json.value("recorded_with", Json());
-  if (!with.is_object()) return {0, {"forcegate record did not make it"}};
+Result<Recorded> recorded_of(const fs::path& list, const std::vector<ProfileToRecord>& profiles, const RecordingBench& bench) {
+  FORCEGATE_TRY(const std::string text, read_file(list));
+  const auto json = Json::parse(text, nullptr, false, true);
+  if (!json.is_object() || !json.contains("records") || !json["records"].is_array()) return Recorded{0, {"its campaign.json has no list of records"}};
+  const std::optional<RecordedBench> there = recorded_bench(text);
+  if (!there) return Recorded{0, {"forcegate record did not make it"}};
   Recorded out;
-  const std::string rig = plain(with.value("rig", Json())), rig_name = rig.substr(0, rig.find('/'));
-  if (rig_name != bench.rig) out.differs.push_back(there_and_asked("rig", rig_name, printable_utf8(bench.rig)));
-  if (const std::string there = specimen_of(json); there != bench.specimen) out.differs.push_back(there_and_asked("specimen", there, printable_utf8(bench.specimen)));
-  const Json samples = with.value("rig_rate_Hz", Json());
-  const double rate_asked = samples.is_number() && samples.get<double>() > 0.0 ? rate_of_rows(samples.get<double>(), bench.rate_Hz) : bench.rate_Hz;
-  for (const auto& [name, what, unit, asked] : {std::tuple<const char*, const char*, const char*, Json>{"seed", "seed", "", bench.seed},
-                                                {"session", "session", "", bench.session},
-                                                {"rate_Hz", "rate", " Hz", rate_asked}})
-    if (const Json there = with.value(name, Json()); there != asked) out.differs.push_back(there_and_asked(what, plain(there) + unit, plain(asked) + unit));
+  FORCEGATE_TRY(out.differs, differences(*there, bench));
   const Json& records = json["records"];
   if (records.empty() || records.size() > profiles.size()) out.differs.push_back(there_and_asked("records", std::to_string(records.size()), std::to_string(profiles.size())));
   for (std::size_t k = 0; k < std::min(records.size(), profiles.size()); ++k) {
-    const Json there = records[k].is_object() ? records[k].value("file", Json()) : Json();
+    const Json name = records[k].is_object() ? records[k].value("file", Json()) : Json();
     const std::string asked = file_of_record(k + 1, profiles[k].name);
-    if (there == asked) continue;
-    out.differs.push_back(there_and_asked(fmt::format("record {}", k + 1), plain(there), printable_utf8(asked)));
+    if (name == asked) continue;
+    out.differs.push_back(there_and_asked(fmt::format("record {}", k + 1), name.is_string() ? printable_utf8(name.get<std::string>()) : "none", printable_utf8(asked)));
     break;  // one record more or less, and all behind it have another number
   }
   if (out.differs.empty()) out.records = records.size();
@@ -118,8 +93,9 @@ Result<RecordResult> record(const RecordRequest& request, const RecordingProgres
   RecordResult out;
   if (request.go_on && !fs::exists(list, error))
     return fail(ErrorCode::usage, "there is no campaign to go on with", request.output.string(), "check the name of the folder; without --continue a campaign begins there");
+  FORCEGATE_TRY(const ClaimedFolder folder, ClaimedFolder::take(request.output));
   if (fs::exists(list, error)) {
-    const Recorded there = recorded_of(list, profiles, request.bench);
+    FORCEGATE_TRY(const Recorded there, recorded_of(list, profiles, request.bench));
     out.were_there = there.records;
     if (!there.differs.empty())
       return fail(ErrorCode::usage, "there is another campaign already: " + join(there.differs, "; "), request.output.string(),
@@ -133,10 +109,11 @@ Result<RecordResult> record(const RecordRequest& request, const RecordingProgres
   RecordingBench bench = request.bench;
   bench.safety = plan.safety;
   out.folder = request.output;
-  auto files = record_profiles(bench, profiles, request.output, progress, cancelled);
+  auto files = record_profiles(bench, profiles, folder, progress, cancelled);
   if (!files) {
     Error e = std::move(files).error();
-    const std::size_t kept = recorded_of(list, all, request.bench).records;
+    const auto found = recorded_of(list, all, request.bench);
+    const std::size_t kept = found ? found->records : 0;
     if (kept > 0 && e.code != ErrorCode::usage)
       e.hint += fmt::format("{}{} of {} records are kept in {}: the same command with --continue records the others", e.hint.empty() ? "" : "; ", kept, planned,
                             request.output.string());

@@ -46,8 +46,10 @@ Result<int> play(const Invocation& in) {
   if (request.bench.rig == "replay" && request.recorded.empty())
     return fail(ErrorCode::usage, "the rig replay needs recordings", "--record",
                 "give each of them with --record FILE");
-  request.bench.specimen = in.text("specimen");
-  FORCEGATE_TRY(request.bench.seed, in.seed("seed"));
+  if (in.given("specimen")) request.bench.specimen = in.text("specimen");
+  if (in.given("seed")) {
+    FORCEGATE_TRY(request.bench.seed, in.seed("seed"));
+  }
   request.output = in.text("output");
   const auto made = next_run(request, in.console().progress_callback(), &in.interrupt_flag());
   in.console().end_progress();
@@ -117,12 +119,10 @@ const Registration<Command> kRow{Command{
                          .names = Names::input},
                         {.name = "specimen",
                          .value_name = "NAME",
-                         .doc = "Which sensor lies on the bench.",
-                         .fallback = "q50"},
+                         .doc = "Which sensor lies on the bench; default: the one of the campaign, where it was recorded on this rig, else q50."},
                         {.name = "seed",
                          .value_name = "N",
-                         .doc = "Seed of the emulated rig, as when the campaign was recorded.",
-                         .fallback = "1"},
+                         .doc = "Seed of the emulated rig; default: that of the campaign, where it was recorded there, else 1."},
                         {.name = "output",
                          .value_name = "FOLDER",
                          .doc = "New campaign, default: CAMPAIGN-next; without --run the forces to record are written there.",

@@ -146,7 +146,9 @@ Plan plan(const Workspace& w, const Diagnosis& d) {
     const RecordInput r = simulate(w, s);
     for (Pair& p : pairs) p.of_segment.push_back(imitate(w, r, *p.leader, *p.other, noise_of(w, d, *p.leader)));
   }
-  std::vector<char> used(segments().size(), 0);
+  // what was played and left them open would promise the same once more
+  std::vector<char> used;
+  for (const Segment& s : segments()) used.push_back(std::ranges::any_of(w.input.records, [&](const RecordInput& r) { return is_record_of(r.name, s); }) ? 1 : 0);
   std::vector<ExperimentSegment>& planned = out.experiment.segments;
   constexpr std::size_t kMostSegments = 4;
   while (planned.size() < kMostSegments) {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "hil/base/slug.h"
+
 namespace forcegate::diagnose {
 
 namespace {
@@ -243,6 +245,13 @@ RecordInput simulate(const Workspace& w, const Segment& s) {
   }
   set_decay(r, w.law);
   return r;
+}
+
+bool is_record_of(std::string_view record, const Segment& segment) {
+  const std::string name = "_" + slug(segment.name);
+  if (!record.starts_with('r') || !record.ends_with(name) || record.size() < name.size() + 2) return false;
+  const std::string_view number = record.substr(1, record.size() - name.size() - 1);
+  return number.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
 }  // namespace forcegate::diagnose

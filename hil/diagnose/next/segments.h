@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "hil/diagnose/workspace.h"
@@ -33,6 +34,9 @@ StimulusSpec stimulus_of(const Workspace& workspace, const Segment& segment);
 
 /// Twenty of them; each holds the base law down in its own way.
 const std::vector<Segment>& segments();
+
+/// Whether a record of this name is one that `forcegate next --run` made of the segment: "r10_fast_edges".
+bool is_record_of(std::string_view record, const Segment& segment);
 
 /// A record of the segment as the campaign's next one, ten minutes behind the last; its output is the law's.
 RecordInput simulate(const Workspace& workspace, const Segment& segment);

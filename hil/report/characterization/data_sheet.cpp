@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "hil/base/plain_number.h"
@@ -93,9 +94,12 @@ std::string failures(const SensorStudy& study) {
   return out.empty() ? out : "<section><h2>Sessions that failed</h2><ul>" + out + "</ul></section>\n";
 }
 
-}  // namespace
-
-namespace {
+// Whose curves the pictures show.
+std::string drawn(const SensorStudy& study) {
+  const SessionSheet& e = study.exemplar;
+  const bool is_counted = std::ranges::any_of(study.sheets, [&](const SessionSheet& s) { return s.specimen == e.specimen; });
+  return escape(fmt::format(" Drawn: specimen {}, session {}{}.", e.specimen, e.session, is_counted ? "" : ", which is in no table"));
+}
 
 std::string bench_time(double seconds) {
   return seconds < 7200.0 ? fmt::format("{:.1f} min", seconds / 60.0)
@@ -130,7 +134,7 @@ std::string data_sheet_html(const SensorStudy& study, const characterize::StudyP
   for (const PaperPicture& p : figures_of_the_paper({study}))
     page.body +=
         html_figure(p.figure.svg(figures::Figure::Target::embedded), p.figure.title,
-                    "<b>" + escape(p.place) + "</b> " + figures::typographic_minus(escape(p.caption)));
+                    "<b>" + escape(p.place) + "</b> " + figures::typographic_minus(escape(p.caption)) + drawn(study));
   page.body += "<section><h2>Reproduce</h2><pre tabindex=\"0\" aria-label=\"Command\"><code>" +
                escape(command) + "</code></pre></section>\n</main>\n";
   return html_document(page);

@@ -44,6 +44,23 @@ TEST(RecordPictures, TheSpectrumHasALineWhereTheOutputHasOneOfItsOwn) {
   EXPECT_NEAR(sorted[sorted.size() / 2] / s.noise, 1.0, 0.15);  // white noise elsewhere, in its own density
 }
 
+TEST(RecordPictures, TheLoadsOwnLinesAreThoseOfItsCommandOrOfTheAngle) {
+  diagnose::Workspace w = workspace(1, 7.0, 0.0);
+  RecordInput& r = w.input.records.front();
+  EXPECT_TRUE(record_pictures(w, Model{}).spectra.front().command.empty());
+  const auto peak_Hz = [&] {
+    const ResidualSpectrum s = record_pictures(w, Model{}).spectra.at(0);
+    return s.command.size() == s.f_Hz.size() ? s.f_Hz[static_cast<std::size_t>(std::ranges::max_element(s.command) - s.command.begin())] : 0.0;
+  };
+  for (const double t : r.t_s) r.F_cmd_N.push_back(2.0 + std::sin(2.0 * std::numbers::pi * 3.0 * t));
+  EXPECT_NEAR(peak_Hz(), 3.0, 0.1);
+  r.F_cmd_N[100] = NAN;
+  EXPECT_EQ(peak_Hz(), 0.0) << "a row without a command tells nothing";
+  r.F_cmd_N.clear();
+  for (const double t : r.t_s) r.theta_rad.push_back(1.5 + 0.1 * std::sin(2.0 * std::numbers::pi * 5.0 * t));
+  EXPECT_NEAR(peak_Hz(), 5.0, 0.1);
+}
+
 TEST(RecordPictures, TurningPointsAreThoseOfTheForce) {
   const RecordPictures p = record_pictures(workspace(1, 7.0, 0.0), Model{});
   ASSERT_EQ(p.extrema.size(), 1u);

@@ -187,6 +187,12 @@ TEST(SpectrumPicture, tells_a_line_of_the_load_from_one_of_its_own) {
   EXPECT_THAT(spectrum_figure(s, "V").summary, HasSubstr("a line at 7 Hz, where the load has none"));
   s.load[69] = 1.0;
   EXPECT_THAT(spectrum_figure(s, "V").summary, HasSubstr("a line at 7 Hz, where the load has one"));
+  s.command.assign(200, 1e-2);  // the steps of the reference are none of the load
+  EXPECT_THAT(spectrum_figure(s, "V").summary, HasSubstr("a line at 7 Hz, where the load has none"));
+  s.command[69] = 1.0;
+  EXPECT_THAT(spectrum_figure(s, "V").summary, HasSubstr("a line at 7 Hz, where the load has one."));
+  s.command.clear();
+  EXPECT_THAT(spectrum_figure(s, "V").summary, HasSubstr("by its reference"));
   s.noise = 1e-4;
   for (const auto& [left, told] : {std::pair{9e-3, "it is still there"}, {5e-3, "a part of it is left"}, {9e-4, "it is gone"}}) {
     s.after.assign(200, 3e-3);  // neighbours that hide it

@@ -85,6 +85,8 @@ TEST(BoardFiles, PoundsForceAreKnownInAnyCase) {
 TEST(BoardFiles, AnAnalogPinHoldsCodes) {
   EXPECT_THAT(column_map_advice(read("t_s,F_ref_N,A0\n0,1,512\n1,2,600\n2,3,700\n").trace, "U", "V"), HasSubstr("--map A0=U_counts where it holds codes"));
   EXPECT_THAT(column_map_advice(read("t_s,F_ref_N,A0\n0,1,0.5\n1,2,0.6\n2,3,0.7\n").trace, "U", "V"), HasSubstr("\"A0\" is the only column left"));
+  const std::string page(7000, 'x');
+  EXPECT_THAT(column_map_advice(read("t_s,F_ref_N," + page + "\n0,1,0.5\n1,2,0.6\n2,3,0.7\n").trace, "U", "V"), HasSubstr("\"" + page.substr(0, 80) + "...\" is the only column left"));
 }
 
 }  // namespace

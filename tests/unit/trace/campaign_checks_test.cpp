@@ -201,6 +201,10 @@ TEST_F(CheckedCampaign, NotesColumnsThatNothingReads) {
   CampaignOptions options;
   options.column_map["level_mm"] = "unused";
   EXPECT_THAT(read(options).notes, Not(Contains(HasSubstr("not used"))));
+  std::string header = "t_s,F_ref_N,U_V", more;
+  for (int k = 0; k < 50; ++k) header += ",c" + std::to_string(k) + "_mm", more += ",3";
+  put_rows("a.csv", header, [&](int i) { return std::to_string(force(i, 0.0)) + ",2" + more; });
+  EXPECT_THAT(read().notes, Contains(::testing::AllOf(::testing::StartsWith("a: not used: c0_mm, "), HasSubstr(" and 30 more"))));
 }
 
 TEST_F(CheckedCampaign, ReadsForceAndOutputOfTwoClocksAtTheSamplesOfTheSlowerOne) {

@@ -25,6 +25,9 @@ TEST(DateTime, ReadsStampsOfLoggersAndTimesOfDay) {
   EXPECT_NEAR(*seconds_of_stamp("2026-11-21 10:00:00.250"), 1795255200.25, 1e-6);
   EXPECT_NEAR(*seconds_of_stamp("2026-11-21T11:00:00+01:00"), 1795255200.0, 1e-6);
   EXPECT_NEAR(*seconds_of_stamp("2026-11-21T10:00:00Z"), 1795255200.0, 1e-6);
+  EXPECT_NEAR(*seconds_of_stamp("2026-11-21 12:00:00.000000 +0200"), 1795255200.0, 1e-6);
+  EXPECT_NEAR(*seconds_of_stamp("2026-11-21 05:00:00 -05:00"), 1795255200.0, 1e-6);
+  EXPECT_FALSE(seconds_of_stamp("2026-11-21 10:00:00 "));
   EXPECT_NEAR(*seconds_of_stamp("21.11.2026 10:00:00,5"), 1795255200.5, 1e-6);
   EXPECT_DOUBLE_EQ(*seconds_of_stamp("00:01:02.5"), 62.5);
   EXPECT_NEAR(*seconds_of_stamp("2024-03-01 00:00:00") - *seconds_of_stamp("2024-02-28 00:00:00"),

@@ -68,6 +68,19 @@ TEST(LoggerFiles, Utf16IsRead) {
   EXPECT_THAT(refuse(degree).text, HasSubstr("no rows"));
 }
 
+TEST(LoggerFiles, Utf32IsReadAndToldOnce) {
+  for (const bool big : {false, true}) {
+    std::string wide = big ? std::string("\0\0\xFE\xFF", 4) : std::string("\xFF\xFE\0\0", 4);
+    for (const char c : std::string_view("t_s\tF_ref_N\tU_V\n0\t1.5\t2\n1\t2.5\t3\n")) {
+      const std::string zeros(3, '\0');
+      wide += big ? zeros + c : c + zeros;
+    }
+    const auto f = read(wide);
+    EXPECT_EQ(force(f), (std::vector<double>{1.5, 2.5}));
+    EXPECT_THAT(f.notes, ::testing::ElementsAre("the text is UTF-32", "the separator is a tab"));
+  }
+}
+
 TEST(LoggerFiles, LinesThatEndInCarriageReturnsAloneAreRead) {
   EXPECT_EQ(force(read("t_s,F_ref_N\r0,1.5\r1,2.5\r")), (std::vector<double>{1.5, 2.5}));
   const fs::path path = fs::path(::testing::TempDir()) / ("forcegate_cr_" + std::to_string(::getpid()) + ".csv");

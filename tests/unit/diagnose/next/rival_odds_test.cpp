@@ -1,5 +1,6 @@
 #include "hil/diagnose/next/rival_odds.h"
 
+#include "hil/base/slug.h"
 #include "hil/diagnose/next/next_experiment.h"
 #include "tests/unit/diagnose/made_campaign.h"
 
@@ -99,6 +100,17 @@ TEST(NextExperiment, StartsFromTheOddsThatTheFindingsState) {
   EXPECT_TRUE(s.odds_stated);
   EXPECT_NEAR(s.odds_before, std::max(p, q) / std::min(p, q), 1e-9) << s.separates << "\n" << told(d);
   EXPECT_GT(s.odds_after, s.odds_before);
+}
+
+TEST(NextExperiment, AsksForNoSegmentThatWasPlayedAndLeftThemOpen) {
+  const LateOutput asked;
+  ASSERT_TRUE(asked.answer.has_value()) << asked.answer.error().to_text();
+  const std::string name = propose_experiment(**asked.workspace, *asked.answer).segments.at(0).name;
+  RecordInput& record = (*asked.workspace)->input.records.front();
+  record.name = "r1x_" + slug(name);
+  EXPECT_EQ(propose_experiment(**asked.workspace, *asked.answer).segments.at(0).name, name) << "no name of ours";
+  record.name = "r10_" + slug(name);
+  for (const ExperimentSegment& s : propose_experiment(**asked.workspace, *asked.answer).segments) EXPECT_NE(s.name, name);
 }
 
 TEST(NextExperiment, AsksNothingOfEffectsThatTheAnswerDoesNotNameNorOfWhatIsKnown) {
