@@ -15,6 +15,9 @@ inline std::string plain_number(double value) {
   return std::fabs(value) >= 999.5 && std::fabs(value) < 1e12 ? fmt::format("{:.0f}", value) : fmt::format("{:.3g}", value);
 }
 
+/// Two significant digits of how many times as large something is, from a hundred on without decimals: "3.4 times", "131 times".
+inline std::string so_many_times(double factor) { return (std::fabs(factor) >= 99.5 ? plain_number(factor) : fmt::format("{:.2g}", factor)) + " times"; }
+
 /// "1 record", "2 records".
 inline std::string counted(std::size_t n, std::string_view what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "hil/base/plain_number.h"
 #include "hil/base/slug.h"
 #include "hil/base/text.h"
 
@@ -85,7 +86,7 @@ std::string beside_none(const Diagnosis& d) {
   if (!out.empty()) out += suspicions.size() > 1 ? " are suspected and not claimed" : " is suspected and not claimed";
   std::string records;
   for (std::size_t k = 0; k < std::min(kNamed, d.far_above.size()); ++k)
-    records += fmt::format("{}{} ({:.2g} times)", k == 0 ? "" : ", ", d.far_above[k].record, d.far_above[k].times);
+    records += fmt::format("{}{} ({})", k == 0 ? "" : ", ", d.far_above[k].record, so_many_times(d.far_above[k].times));
   if (d.far_above.size() > kNamed) records += " and others";
   if (!records.empty()) out += (out.empty() ? "far above its noise stands " : ", and far above its noise stands ") + records;
   return out;

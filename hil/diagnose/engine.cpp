@@ -107,7 +107,7 @@ void tell_records_far_above(const Workspace& w, const Remainder& rest, Diagnosis
   if (!tells) return;
   std::string text;
   for (std::size_t k = 0; k < std::min(kNamed, n); ++k)
-    text += fmt::format("{}{} ({:.2g} times)", k == 0 ? "" : ", ", out.far_above[k].record, out.far_above[k].times);
+    text += fmt::format("{}{} ({})", k == 0 ? "" : ", ", out.far_above[k].record, so_many_times(out.far_above[k].times));
   if (n > kNamed) text += fmt::format(" and {} more", n - kNamed);
   out.notes.push_back("far above what their instruments may leave: " + text);
   if (out.verdict == DiagnosisVerdict::none && n == 1)

@@ -73,7 +73,7 @@ void add_records(const Campaign& campaign, const std::vector<RecordDrift>& drift
 std::string sentence_of(const DriftFit& f, const std::string& unit, double ratio, const std::string& second) {
   const std::string from = f.onset_s > 0.0 ? fmt::format(" from {:.3g} s on", f.onset_s) : "";
   return f.law->sentence(f, from, unit) +
-         fmt::format("; parts of the record that were left out are predicted {:.2g} times better than by the {} law", ratio, second);
+         fmt::format("; parts of the record that were left out are predicted {} better than by the {} law", so_many_times(ratio), second);
 }
 
 // All records' fits, and what they add up to (mean squares over records).

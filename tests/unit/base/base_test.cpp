@@ -85,6 +85,13 @@ TEST(Text, UncertaintyInParenthesesFollowsTheDigitRule) {
   EXPECT_EQ(with_uncertainty(-6.74e27, 9e26), "-6.7(9)e27");
 }
 
+TEST(PlainNumber, SoManyTimesHasTwoDigitsAndNoExponent) {
+  EXPECT_EQ(so_many_times(2.84), "2.8 times");
+  EXPECT_EQ(so_many_times(99.4), "99 times");
+  EXPECT_EQ(so_many_times(131.4), "131 times");
+  EXPECT_EQ(so_many_times(20461.0), "20461 times");
+}
+
 TEST(Text, OnlyAToZBecomeSmall) { EXPECT_EQ(ascii_lower("t_MS (\xc3\x84 [Z])"), "t_ms (\xc3\x84 [z])"); }
 
 TEST(Text, ATypingMistakeIsSuggestedAndNonsenseIsNot) {

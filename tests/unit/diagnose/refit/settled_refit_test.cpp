@@ -20,8 +20,8 @@ TEST(SettledRefit, AnEffectThatIsMistakenForDecayLeavesTheLawWhereItIs) {
     const Model library = *library_model("flexiforce");
     const auto added = refit_campaign(creeping(seed), options_of(library), library, "creep");
     ASSERT_TRUE(added) << added.error().to_text();
-    EXPECT_NEAR(added->model.law.b_scale, 1.0, 0.2) << seed;
-    EXPECT_NEAR(added->model.law.q_scale, 1.0, 0.3) << seed;
+    EXPECT_NEAR(added->model.law.b_scale, 1.0, 0.05) << seed;
+    EXPECT_NEAR(added->model.law.q_scale, 1.0, 0.05) << seed;
   }
 }
 
