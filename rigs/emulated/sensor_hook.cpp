@@ -6,13 +6,13 @@
 
 #include "hil/base/portable_math.h"
 #include "hil/base/text.h"
+#include "hil/interface/sealed_setting.h"
 #include "rigs/emulated/hidden/seal.h"
 #include "rigs/emulated/preisach_plane.h"
 
 namespace forcegate::emulated {
 namespace {
 
-constexpr std::string_view kSealed = "sealed:";
 constexpr const char *kNothing = "none", *kNonce = "sensor hook";
 
 /// Adds a share of the loop of a Preisach plane.
@@ -117,12 +117,12 @@ Result<std::string> resolved_sensor_hook(const std::string& text) {
 std::string sealed_sensor_hook(const std::string& resolved) {
   constexpr std::size_t kLength = 40;  // of the longest, so that none is told by its length
   const hidden::SealedSheet sheet = hidden::seal(resolved + std::string(kLength - std::min(kLength, resolved.size()), ' '), kNonce);
-  return std::string(kSealed) + sheet.commitment + ":" + sheet.sealed;
+  return std::string(kSealedSetting) + sheet.commitment + ":" + sheet.sealed;
 }
 
 Result<std::string> unsealed_sensor_hook(const std::string& text) {
-  if (!text.starts_with(kSealed)) return text;
-  const std::string rest = text.substr(kSealed.size());
+  if (!text.starts_with(kSealedSetting)) return text;
+  const std::string rest = text.substr(kSealedSetting.size());
   const std::size_t colon = rest.find(':');
   const auto sheet = hidden::open({rest.substr(0, colon), kNonce, colon == std::string::npos ? "" : rest.substr(colon + 1)});
   if (!sheet) return fail(ErrorCode::config, "what the sensor hides does not fit its seal: it was changed after it was sealed", "rig emulated", "take the text as forcegate record wrote it");

@@ -12,9 +12,9 @@
 #include "hil/app/characterize/recordings.h"
 #include "hil/app/files/claimed_folder.h"
 #include "hil/app/files/find_plan.h"
+#include "hil/app/files/named_once.h"
 #include "hil/app/files/own_file.h"
 #include "hil/app/files/write_file.h"
-#include "hil/base/repeated.h"
 #include "hil/base/text.h"
 #include "hil/interface/dut.h"
 #include "hil/report/characterization/data_sheet.h"
@@ -157,8 +157,7 @@ Result<void> study_rig(const CharacterizeRequest& request,
   if (request.seed) out.plan.seed = *request.seed;
   if (request.sessions) out.plan.sessions = *request.sessions;
   if (!request.specimens.empty()) {
-    if (const std::string* twice = first_repeated(request.specimens))
-      return fail(ErrorCode::usage, fmt::format("specimen '{}' is named twice", printable_utf8(*twice)), "--specimen", "name every specimen once");
+    FORCEGATE_CHECK_OK(check_named_once(request.specimens));
     out.plan.specimens = request.specimens;
     out.plan.identification.assign(
         request.specimens.begin(),

@@ -5,10 +5,10 @@
 #include <set>
 
 #include "hil/app/files/find_plan.h"
+#include "hil/app/files/named_once.h"
 #include "hil/app/gate/gate_jobs.h"
 #include "hil/app/gate/same_profile.h"
 #include "hil/app/gate/wire_faults.h"
-#include "hil/base/repeated.h"
 #include "hil/base/text.h"
 #include "hil/gate/board_faults.h"
 #include "hil/gate/calibrate.h"
@@ -20,8 +20,7 @@ namespace {
 // Twice the same specimen is one piece of evidence, and u of the panel's mean would shrink all the same.
 Result<void> select_panel(const GateRequest& request, Plan& plan) {
   if (request.panel.empty()) return {};
-  if (const std::string* twice = first_repeated(request.panel))
-    return fail(ErrorCode::usage, fmt::format("specimen '{}' is named twice", printable_utf8(*twice)), "--specimen", "name every specimen once");
+  FORCEGATE_CHECK_OK(check_named_once(request.panel));
   plan.panel = request.panel;
   for (PlanCase& c : plan.cases) c.specimens.clear();
   return {};

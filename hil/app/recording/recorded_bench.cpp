@@ -7,6 +7,7 @@
 #include "hil/base/read_file.h"
 #include "hil/base/text.h"
 #include "hil/interface/rig.h"
+#include "hil/interface/sealed_setting.h"
 
 namespace forcegate {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 using Json = nlohmann::json;
 using Settings = std::map<std::string, std::string>;
 
-constexpr const char *kNone = "none", *kSealed = "sealed:";  // as the emulated rig says what nobody shall read
+constexpr const char* kNone = "none";
 
 std::optional<std::string> specimen_of(const Json& campaign) {
   constexpr std::string_view kBefore = ", specimen ";
@@ -95,7 +96,7 @@ Result<std::vector<std::string>> differences(const RecordedBench& there, const R
   every.insert(of_asked.begin(), of_asked.end());
   for (const auto& [name, value] : every) {
     const std::string there_is = told(of_there, name), asked_is = told(of_asked, name);
-    if (there_is != asked_is && there_is.starts_with(kSealed))
+    if (there_is != asked_is && there_is.starts_with(kSealedSetting))
       out.push_back("rig option " + name + " another there");
     else
       compare("rig option " + name, there_is, asked_is);
