@@ -141,7 +141,7 @@ class TestsRun(unittest.TestCase):
 
 class MarkdownPaths(unittest.TestCase):
     def check(self, line):
-        tree = Tree().put("hil/base/text.h", "").put("docs/paper.md", "").put("docs/page.md", line + "\n")
+        tree = Tree().put("hil/base/text.h", "").put("docs/paper.md", "# x\n").put("docs/page.md", line + "\n")
         return markdown_paths.check(tree.root)
 
     def test_a_missing_path_is_found_in_spans_and_links(self):
@@ -153,9 +153,15 @@ class MarkdownPaths(unittest.TestCase):
         self.assertEqual(len(self.check("[it](#gone)")), 1)
 
     def test_every_decision_is_in_the_index(self):
-        page = "# Decisions\n- [One](#one)\n## One\n"
-        self.assertEqual(markdown_paths.check(Tree().put("docs/decisions.md", page).root), [])
-        self.assertEqual(len(markdown_paths.check(Tree().put("docs/decisions.md", page + "## Two\n").root)), 1)
+        room = "# Decisions: gate\n## One\n"
+        tree = Tree().put("docs/decisions.md", "# Decisions\n- [One](decisions/gate.md#one)\n").put("docs/decisions/gate.md", room)
+        self.assertEqual(markdown_paths.check(tree.root), [])
+        self.assertEqual(len(markdown_paths.check(tree.put("docs/decisions/gate.md", room + "## Two\n").root)), 1)
+
+    def test_a_link_to_another_page_meets_a_heading(self):
+        tree = Tree().put("docs/paper.md", "# Paper\n## A thing\n").put("docs/page.md", "[it](paper.md#a-thing)\n")
+        self.assertEqual(markdown_paths.check(tree.root), [])
+        self.assertEqual(len(markdown_paths.check(tree.put("docs/page.md", "[it](paper.md#gone)\n").root)), 1)
 
     def test_existing_paths_globs_addresses_and_made_files_are_left_alone(self):
         for line in ["`hil/base/text.h`", "[it](paper.md#x)", "`hil/*/x.h`", "[it](https://example.org/a)", "`build/forcegate`",
