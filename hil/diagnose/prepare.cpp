@@ -21,6 +21,7 @@
 #include "hil/diagnose/raw/lost_blocks.h"
 #include "hil/diagnose/raw/missing_code.h"
 #include "hil/diagnose/raw/record_gains.h"
+#include "hil/diagnose/raw/stuck_bit.h"
 #include "hil/model/model_frame.h"
 #include "hil/model/row_step.h"
 #include "hil/model/rows.h"
@@ -281,10 +282,11 @@ void find_decays(CampaignInput& input, const Campaign& campaign, const EngineOpt
   });
 }
 
-void judge_samples(CampaignRows& w, OfRecords& of) {
+void judge_samples(CampaignRows& w, OfRecords& of, const std::optional<StuckBit>& stuck) {
   for (const RecordInput& input : w.input.records) w.health.push_back(of.health[input.name]);
   w.input.U_step_V = common_step_V(w.health);
   w.raw_claims = health_claims(w.health, w.scales, w.input.bench);
+  if (stuck && std::ranges::find(w.raw_claims, "adc_codes", &HealthClaim::effect) == w.raw_claims.end()) w.raw_claims.push_back(claim_of_stuck_bit(*stuck, w.scales.unit));
   if (std::string note = note_of_left_out(w.health, w.raw_claims); !note.empty()) w.input.notes.push_back(std::move(note));
   if (std::string note = note_of_hum_taken_off(w.health, w.scales, w.raw_claims); !note.empty()) w.input.notes.push_back(std::move(note));
   add_sample_windows(of.cuts, w.raw_claims);
@@ -298,9 +300,12 @@ Result<CampaignRows> take_rows(Campaign campaign, const EngineOptions& options) 
   CampaignRows w = declared_rows(campaign);
   leave_out_missing_codes(campaign, w.input.notes);
   leave_out_absurd_force(campaign, options.threads, w.input.notes);
+  const std::optional<StuckBit> stuck = mend_stuck_bit(campaign, w.input.notes);
   w.scales = health_scales(campaign, options.threads);
   note_falling_output(w);
   FORCEGATE_TRY(OfRecords of, gather(prepare_records(campaign, w.scales, options), w.input.records));
+  if (stuck)
+    for (std::size_t k = 0; k < campaign.records.size(); ++k) of.health[campaign.records[k].name].bad_mean_square_V2 += stuck->mean_square_V2[k];
   for (RecordInput& input : w.input.records) leave_out_after_gaps(input, w.input.notes);
   FORCEGATE_CHECK_OK(leave_out_unusable(w, of.why_unusable, w.input.single && options.search));
   FORCEGATE_CHECK_OK(check_record_gains(w.input.records, w.input.notes));
@@ -308,7 +313,7 @@ Result<CampaignRows> take_rows(Campaign campaign, const EngineOptions& options) 
   finish_campaign_input(w.input, options.threads);
   find_decays(w.input, campaign, options);
   find_lost_blocks(w.input, options.threads);
-  judge_samples(w, of);
+  judge_samples(w, of, stuck);
   if (w.input.single) cut_into_blocks(w);
   return w;
 }

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "hil/base/text.h"
+#include "hil/base/units.h"
 #include "hil/trace/date_time.h"
 
 namespace forcegate {
@@ -14,6 +15,16 @@ namespace {
 
 constexpr std::size_t kLongestHeader = 200;
 constexpr std::string_view kReplaced = "\xEF\xBF\xBD";
+
+// "x,mm": of every cell that has a comma.
+bool commas_part_units(std::string_view line, char separator) {
+  std::vector<std::string_view> cells;
+  cut_cells(line, separator, cells);
+  return std::ranges::all_of(cells, [](std::string_view cell) {
+    const std::size_t comma = cell.find(',');
+    return comma == std::string_view::npos || find_unit(trim(cell.substr(comma + 1))).has_value();
+  });
+}
 
 }  // namespace
 
@@ -74,6 +85,8 @@ char choose_separator(std::string_view line) {
     for (std::size_t k = 0; k < 4 && !inside; ++k) count[k] += c == kCandidates[k];
   }
   const auto best = static_cast<std::size_t>(std::max_element(count, count + 4) - count);
+  for (std::size_t k = 1; k < 4 && best == 0; ++k)
+    if (count[k] > 0 && commas_part_units(line, kCandidates[k])) return kCandidates[k];
   if (count[best] > 0) return kCandidates[best];
   return trim(line).find(' ') != std::string_view::npos && line.find('"') == std::string_view::npos ? ' ' : ',';
 }

@@ -25,7 +25,8 @@ bool is_row(const std::vector<std::string_view>& cells);
 /// Without outer blanks and quotes.
 std::string_view unquoted(std::string_view text);
 
-/// The candidate that stands most often outside quotes: comma, semicolon, tab, bar; a blank where there is none of them.
+/// The candidate that stands most often outside quotes: comma, semicolon, tab, bar; a blank where there is none of them. Commas that only stand
+/// between a name and its unit ("x,mm") part no cells beside another candidate.
 char choose_separator(std::string_view line);
 
 /// Views into the line; quotes protect separators, blanks in a row are one.

@@ -5,12 +5,14 @@
 #include "hil/diagnose/raw/absurd_force.h"
 #include "hil/diagnose/raw/clean_samples.h"
 #include "hil/diagnose/raw/missing_code.h"
+#include "hil/diagnose/raw/stuck_bit.h"
 
 namespace forcegate {
 
 Result<CampaignInput> clean_input(Campaign campaign, unsigned threads, const RowParts& parts) {
   diagnose::leave_out_missing_codes(campaign, campaign.notes);
   diagnose::leave_out_absurd_force(campaign, threads, campaign.notes);
+  diagnose::mend_stuck_bit(campaign, campaign.notes);
   diagnose::note_cleaning(campaign.bench, campaign.notes);
   const diagnose::HealthScales scales = diagnose::health_scales(campaign, threads);
   std::vector<std::vector<std::uint8_t>> bad(campaign.records.size());

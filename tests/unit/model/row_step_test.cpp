@@ -44,6 +44,31 @@ TEST(RowStep, ResolvesAForceThatIsFasterThanTheRows) {
   EXPECT_LT(step(30.0), 0.25 / 30.0);
 }
 
+// A wide band up to a third of the rate hangs together from sample to sample hardly more than noise.
+TEST(RowStep, ResolvesAWideBandThatTheOutputFollows) {
+  constexpr double kRate_Hz = 600.0;
+  Rng rng(62, "row step");
+  std::vector<double> white;
+  for (int i = 0; i < 22000; ++i) white.push_back(rng.normal());
+  const auto smoothed = [&](double t) {
+    const auto i = static_cast<std::size_t>(std::lround(t * kRate_Hz)) + 2;
+    return 0.6 * white[i] + 0.3 * (white[i - 1] + white[i + 1]);
+  };
+  Campaign wide = recording(kRate_Hz, 33.0, smoothed);
+  EXPECT_GT(row_step_of(wide), 2.5 / kRate_Hz);
+  Channel output = wide.records.front().trace.channels.front();
+  output.name = "U";
+  std::vector<double>& U = output.value;
+  for (std::size_t i = U.size() - 1; i > 2; --i) U[i] = 0.5 * U[i] + U[i - 1] - 0.4 * U[i - 3];
+  for (double& u : U) u += 0.2 * rng.normal();
+  Campaign followed = wide, unheeded = wide;
+  followed.records.front().trace.channels.push_back(output);
+  for (double& u : U) u = rng.normal();
+  unheeded.records.front().trace.channels.push_back(output);
+  EXPECT_LT(row_step_of(followed), 1.5 / kRate_Hz);
+  EXPECT_EQ(row_step_of(unheeded), row_step_of(wide));
+}
+
 TEST(RowStep, IsNotShortenedForNoise) {
   EXPECT_GT(row_step_of(recording(600.0, 100.0, [](double t) { return sine(t, 0.5); }, 1.0)), 0.019);
 }

@@ -58,6 +58,17 @@ TEST(ReadCsv, UnderstandsSemicolonsWithDecimalCommasTabsAndBlanks) {
   EXPECT_EQ(read("t_s  F_ref_N\n 0    1\n 1   2\n").trace.find("F_ref")->value[1], 2.0);
 }
 
+TEST(Csv, CommasBeforeUnitsPartNoCellsBesideAnotherSeparator) {
+  for (const std::string separator : {"\t", ";"}) {
+    const std::string text = "Time,s" + separator + "F_ref, mN" + separator + "U,V\n0" + separator + "1000" + separator + "3\n1" + separator + "2000" + separator + "4\n";
+    const auto got = read(text);
+    ASSERT_NE(got.trace.find("F_ref"), nullptr) << text;
+    EXPECT_DOUBLE_EQ(got.trace.find("F_ref")->value[1], 2.0);
+    EXPECT_DOUBLE_EQ(got.trace.find("U")->value[0], 3.0);
+  }
+  EXPECT_EQ(read("t_s,F_ref_N,note; of the cell\n0,1,2\n1,2,3\n").trace.find("F_ref")->value[1], 2.0);
+}
+
 TEST(ReadCsv, MissingCellsAreNotANumber) {
   const auto f = read("t_s,F_ref_N,U_V\n0,,1\n1,nan,2\n2,NA,3\n3,4,\n4,inf,6\n");
   const auto& force = f.trace.find("F_ref")->value;
