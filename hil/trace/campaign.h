@@ -23,6 +23,8 @@ struct BenchFacts {
   double reference_lowpass_Hz = kMissing;  ///< corner of a filter that only F_ref goes through
   int adc_bits = 0;
   std::string law;
+
+  void forget_converter() { voltage_min_V = voltage_max_V = kMissing, adc_bits = 0; }
 };
 
 enum class RecordRole { fit, heldout };

@@ -59,6 +59,16 @@ void note_beyond(Campaign& campaign, const char* name, const char* unit, const c
                            key + " [" + shortest(low) + ", " + shortest(high) + "]: is it that of this instrument?");
 }
 
+// What is said of a converter in volts says nothing of an output that somebody has turned into something else.
+void drop_facts_in_volts(Campaign& campaign) {
+  BenchFacts& bench = campaign.bench;
+  const Channel* output = campaign.records.empty() ? nullptr : campaign.records.front().trace.find("U");
+  if (output == nullptr || output->unit.empty() || output->quantity == "voltage" || output->quantity == "code") return;
+  if (!std::isfinite(bench.voltage_max_V) && bench.adc_bits == 0) return;
+  campaign.notes.push_back("voltage_range_V and adc_bits are of volts, and the output is in " + output->unit + ": they are not used");
+  bench.forget_converter();
+}
+
 // Of an output in counts the range is one of counts.
 void drop_range_in_volts(Campaign& campaign) {
   constexpr double kFarBeyond = 2.0, kShare = 0.001;  // of its end; of the samples
@@ -227,6 +237,7 @@ void drop_copies(Campaign& campaign) {
 
 void note_contradictions(Campaign& campaign) {
   const BenchFacts& bench = campaign.bench;
+  drop_facts_in_volts(campaign);
   drop_range_in_volts(campaign);
   note_beyond(campaign, "U", "V", "voltage_range_V", bench.voltage_min_V, bench.voltage_max_V);
   note_beyond(campaign, "F_ref", "N", "force_range_N", bench.force_min_N, bench.force_max_N);

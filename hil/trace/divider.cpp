@@ -57,8 +57,9 @@ Result<void> read_divider(Campaign& campaign, const Divider& divider) {
       const double over = divider.sensor_below ? above : u, under = divider.sensor_below ? u : above;
       const bool is_beyond = over < 0.0 || under < 0.0;
       beyond += is_beyond;
-      lost += is_beyond || under == 0.0;
-      u = is_beyond || under == 0.0 ? kMissing : over / (divider.R_ohm * under);
+      lost += under <= 0.0;
+      // noise about no output is a reading: without it the mean of an unloaded sensor would be too high
+      u = under <= 0.0 ? kMissing : over / (divider.R_ohm * under);
     }
     if (static_cast<double>(beyond) > kMostBeyond * static_cast<double>(samples))
       return fail(ErrorCode::parse,
@@ -69,6 +70,7 @@ Result<void> read_divider(Campaign& campaign, const Divider& divider) {
     U->quantity = "conductance";
     U->raw.clear();
   }
+  campaign.bench.forget_converter();  // its range and steps are of volts
   campaign.notes.push_back(fmt::format("the output is read as the conductance of a sensor {} {} ohm at {} {}, siemens{}",
                                        divider.sensor_below ? "below" : "above", shortest(divider.R_ohm), shortest(divider.supply), unit,
                                        lost > 0 ? fmt::format("; {} samples at an end of the supply are missing", lost) : ""));

@@ -132,6 +132,16 @@ TEST_F(CheckedCampaign, ARangeInVoltsIsNoneOfCounts) {
   EXPECT_THAT(counts.notes, Not(Contains(HasSubstr("hardly theirs"))));
 }
 
+// 3.3 V of 12 bits would be steps of 0.8 mS.
+TEST_F(CheckedCampaign, AConverterInVoltsIsNoneOfConductances) {
+  put_rows("a.csv", "t_s,F_ref_N,U_uS", [](int i) { return std::to_string(force(i, 0.0)) + "," + std::to_string(100 + i); });
+  put("campaign.json", R"({"bench": {"voltage_range_V": [0, 3.3], "adc_bits": 12}, "records": [{"file": "a.csv"}]})");
+  const Campaign siemens = read();
+  EXPECT_FALSE(std::isfinite(siemens.bench.voltage_max_V));
+  EXPECT_EQ(siemens.bench.adc_bits, 0);
+  EXPECT_THAT(siemens.notes, Contains(HasSubstr("are of volts, and the output is in S")));
+}
+
 TEST_F(CheckedCampaign, NotesSamplesFarBeyondTheDeclaredRange) {
   put_wave("a.csv", 0.0);  // 1 to 3 N, 2 to 6 V
   put("campaign.json", R"({"bench": {"voltage_range_V": [0, 3.3], "force_range_N": [0, 5]}, "records": [{"file": "a.csv"}]})");

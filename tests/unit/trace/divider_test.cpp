@@ -78,9 +78,18 @@ TEST(Divider, WhatHasNoConductanceIsMissingAndCounted) {
   Campaign c = campaign_of(U, "V", "voltage");
   ASSERT_TRUE(read_divider(c, {10e3, 5.0, false}));
   const std::vector<double>& G = c.records[0].trace.channels[0].value;
-  EXPECT_TRUE(std::isnan(G[3]) && std::isnan(G[4]) && std::isnan(G[5]));
+  EXPECT_TRUE(std::isnan(G[3]) && std::isnan(G[4]));
+  EXPECT_NEAR(G[5], -0.001 / (10e3 * 5.001), 1e-12) << "noise about no output is a reading";
   EXPECT_EQ(G[6], 0.0);
-  EXPECT_THAT(c.notes, ElementsAre(HasSubstr("3 samples at an end of the supply are missing")));
+  EXPECT_THAT(c.notes, ElementsAre(HasSubstr("2 samples at an end of the supply are missing")));
+}
+
+TEST(Divider, TheConverterInVoltsIsNoneOfTheConductance) {
+  Campaign c = campaign_of({1.0, 2.0, 3.0}, "V", "voltage");
+  c.bench.voltage_min_V = 0.0, c.bench.voltage_max_V = 5.0, c.bench.adc_bits = 12;
+  ASSERT_TRUE(read_divider(c, {10e3, 5.0, false}));
+  EXPECT_FALSE(std::isfinite(c.bench.voltage_max_V));
+  EXPECT_EQ(c.bench.adc_bits, 0);
 }
 
 TEST(Divider, AWrongSupplyOrAnotherOutputIsAnError) {
