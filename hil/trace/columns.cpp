@@ -33,10 +33,10 @@ std::string known_name(std::string_view name) {
 namespace {
 
 bool names_a_clock(std::string_view name) {
-  static constexpr std::array kClocks = {"t",     "time",  "timestamp", "time_stamp", "elapsed",
-                                         "clock", "t_rel", "sec",       "seconds",    "zeit",
+  static constexpr std::array kClocks = {"t",     "time",  "timestamp", "time_stamp", "elapsed", "elapsed_time",
+                                         "clock", "t_rel", "sec",       "seconds",    "zeit",    "ts",
                                          "uhrzeit", "x_value"};  // the last as LabVIEW writes it
-  if (name == "T") return false;
+  if (name == "T" || name == "Ts") return false;  // a temperature, the period of sampling
   const std::string word = ascii_lower(name);
   return std::any_of(kClocks.begin(), kClocks.end(), [&](const char* c) { return word == c; });
 }

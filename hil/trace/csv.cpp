@@ -133,8 +133,16 @@ Result<void> check_mapped_once(const CsvTable& table, const std::vector<ColumnMe
   return {};
 }
 
+/// Whether it rises from row to row, at this rate on the average.
+bool ticks_at(double rate_Hz, const std::vector<double>& stamps, double unit_s) {
+  constexpr double kAlike = 0.1;
+  if (stamps.size() < 2 || std::ranges::adjacent_find(stamps, [](double a, double b) { return !(b > a); }) != stamps.end()) return false;
+  const double step_s = unit_s * (stamps.back() - stamps.front()) / static_cast<double>(stamps.size() - 1);
+  return std::fabs(step_s * rate_Hz - 1.0) < kAlike;
+}
+
 /// The first column that is called a clock, else the first one that holds dates or times of day, else the only one of time where no rate is
-/// given; the number of columns where there is none.
+/// given or it ticks at that; the number of columns where there is none.
 std::size_t find_clock(const CsvTable& table, const std::vector<ColumnMeaning>& meanings, const CsvOptions& options, std::vector<std::string>& notes) {
   const auto named = std::ranges::find_if(meanings, &ColumnMeaning::is_clock);
   if (named != meanings.end()) return static_cast<std::size_t>(named - meanings.begin());
@@ -144,8 +152,9 @@ std::size_t find_clock(const CsvTable& table, const std::vector<ColumnMeaning>& 
     return static_cast<std::size_t>(dated - table.columns.begin());
   }
   const auto counts_time = [](const ColumnMeaning& meaning) { return meaning.unit.quantity == "time" && meaning.name != "unused"; };
-  if (options.assumed_rate_Hz > 0.0 || std::ranges::count_if(meanings, counts_time) != 1) return table.columns.size();
+  if (std::ranges::count_if(meanings, counts_time) != 1) return table.columns.size();
   const auto only = static_cast<std::size_t>(std::ranges::find_if(meanings, counts_time) - meanings.begin());
+  if (options.assumed_rate_Hz > 0.0 && !ticks_at(options.assumed_rate_Hz, table.columns[only].value, meanings[only].unit.factor)) return table.columns.size();
   notes.push_back("column \"" + table.columns[only].header + "\" was taken for the clock, the only time");
   return only;
 }

@@ -195,6 +195,17 @@ TEST(ClockOfATable, TheOnlyColumnOfTimeIsTheClock) {
   CsvOptions options;
   options.assumed_rate_Hz = 50.0;
   EXPECT_TRUE(read("dwell_s,F_ref_N\n5,1\n5,1\n", options).trace.time_bases.front().invented);
+  EXPECT_TRUE(read("dwell_s,F_ref_N\n5,1\n9,1\n12,1\n", options).trace.time_bases.front().invented) << "50 Hz is no 0.3 Hz";
+  const auto ticks = read("esp_us,F_ref_N\n100,1\n20140,1\n40100,1\n", options);
+  EXPECT_FALSE(ticks.trace.time_bases.front().invented);
+  EXPECT_NEAR(ticks.trace.time_bases.front().t_s[1] - ticks.trace.time_bases.front().t_s[0], 0.02004, 1e-9);
+}
+
+TEST(ClockOfATable, IsCalledTsWhereItHasAUnit) {
+  EXPECT_NEAR(read("ts_us,dwell_s,F_ref_N\n0,1,1\n10000,1,1\n20000,1,1\n").trace.time_bases.front().nominal_rate_Hz, 100.0, 1e-9);
+  CsvOptions options;
+  options.assumed_rate_Hz = 50.0;
+  EXPECT_TRUE(read("F_ref_N,Ts\n1,4\n2,\n3,\n", options).trace.time_bases.front().invented) << "the period of sampling, once";
 }
 
 TEST(UnitOfTheClock, DatesNeedNoUnitAndNoName) {
