@@ -31,6 +31,7 @@ std::vector<double> some_values(const Campaign& campaign) {
 
 struct Islands {
   double weight_V = 0.0, step_V = 0.0;
+  std::vector<double> gaps_V;  // the middle of each, in rising order
 };
 
 // Of values in rising order, without the hundredth at either end, where a lost sample or a spike may stand alone.
@@ -42,9 +43,8 @@ std::optional<Islands> islands_of(const std::vector<double>& values) {
   double widest = 0.0;
   for (std::size_t i = first; i < last; ++i) widest = std::max(widest, values[i + 1] - values[i]);
   if (!(widest > 0.0)) return std::nullopt;
-  std::vector<double> periods, steps;
+  std::vector<double> periods, steps, gaps;
   double island_begins = values[first], gap_begins = 0.0;
-  std::size_t gaps = 0;
   const auto fits = [&](double end, bool whole) {
     const double width = end - island_begins;
     return width <= kWide * widest && (!whole || width >= kAlike * widest);
@@ -55,30 +55,42 @@ std::optional<Islands> islands_of(const std::vector<double>& values) {
       if (gap > 0.0) steps.push_back(gap);
       continue;
     }
-    if (gap < kAlike * widest || !fits(values[i], gaps > 0)) return std::nullopt;
-    if (gaps++ > 0) periods.push_back(values[i] - gap_begins);
+    if (gap < kAlike * widest || !fits(values[i], !gaps.empty())) return std::nullopt;
+    if (!gaps.empty()) periods.push_back(values[i] - gap_begins);
+    gaps.push_back(values[i] + 0.5 * gap);
     gap_begins = values[i], island_begins = values[i + 1];
   }
-  if (gaps == 0 || steps.empty() || !fits(values[last], false)) return std::nullopt;
-  return Islands{periods.empty() ? widest : 0.5 * median(periods), quantile(std::move(steps), 0.0)};
+  if (gaps.empty() || steps.empty() || !fits(values[last], false)) return std::nullopt;
+  return Islands{periods.empty() ? widest : 0.5 * median(periods), quantile(std::move(steps), 0.0), std::move(gaps)};
 }
-
-// Between neighbouring samples.
-struct Jumps {
-  std::size_t of_weight = 0, others = 0;
-};
 
 constexpr double kJump = 0.6, kOfWeight = 0.4;  // of the weight: the signal moves on meanwhile
 
-Jumps jumps_of(const std::vector<double>& U, double weight_V) {
-  Jumps out;
-  for (std::size_t i = 1; i < U.size(); ++i) {
-    const double size = std::abs(U[i] - U[i - 1]);
-    if (!(size > kJump * weight_V)) continue;
-    ++(std::abs(size - weight_V) < kOfWeight * weight_V ? out.of_weight : out.others);
+// Between neighbouring samples.
+struct Jumps {
+  std::size_t of_weight = 0, within = 0, others = 0;  // within: of these, from one end of an island to the other
+
+  void count(const std::vector<double>& U, const Islands& islands) {
+    for (std::size_t i = 1; i < U.size(); ++i) {
+      const auto [low, high] = std::minmax(U[i - 1], U[i]);
+      const double size = high - low;
+      if (!(size > kJump * islands.weight_V)) continue;
+      if (std::abs(size - islands.weight_V) >= kOfWeight * islands.weight_V) {
+        ++others;
+        continue;
+      }
+      ++of_weight;
+      const auto next = std::ranges::lower_bound(islands.gaps_V, low);
+      if (next == islands.gaps_V.end() || *next > high) ++within;
+    }
   }
-  return out;
-}
+
+  // The signal passes from end to end of an island as often as from one to the next; what only hops between two levels does not.
+  bool are_of_bit() const {
+    constexpr std::size_t kFewest = 6, kNearly = 9, kWithin = 5;
+    return of_weight >= kFewest && others * kNearly <= of_weight && within * kWithin >= of_weight;
+  }
+};
 
 struct Line {
   double slope = 0.0, level = 0.0;
@@ -191,19 +203,14 @@ double beside_line_V2(const std::vector<double>& F, const std::vector<double>& U
 }  // namespace
 
 std::optional<StuckBit> mend_stuck_bit(Campaign& campaign, std::vector<std::string>& notes) {
-  constexpr double kSteps = 6.0, kNearly = 0.9, kGain = 0.5;
-  constexpr std::size_t kFewestJumps = 6;
+  constexpr double kSteps = 6.0, kGain = 0.5;
   const std::optional<Islands> islands = islands_of(some_values(campaign));
   if (!islands || islands->weight_V < kSteps * islands->step_V) return std::nullopt;
   const double weight_V = islands->weight_V;
   Jumps jumps;
   for (const Record& record : campaign.records)
-    if (const Channel* output = record.trace.find("U")) {
-      const Jumps of_record = jumps_of(output->value, weight_V);
-      jumps.of_weight += of_record.of_weight, jumps.others += of_record.others;
-    }
-  const auto all = static_cast<double>(jumps.of_weight + jumps.others);
-  if (jumps.of_weight < kFewestJumps || static_cast<double>(jumps.of_weight) < kNearly * all) return std::nullopt;
+    if (const Channel* output = record.trace.find("U")) jumps.count(output->value, *islands);
+  if (!jumps.are_of_bit()) return std::nullopt;
 
   StuckBit out;
   out.weight_V = weight_V, out.step_V = islands->step_V;
@@ -237,7 +244,7 @@ std::optional<StuckBit> mend_stuck_bit(Campaign& campaign, std::vector<std::stri
       mended[k].resize(output->value.size());
       output->value = std::move(mended[k]);
     }
-  notes.push_back(fmt::format("one bit of the converter stands still: {} was added to {:.2g} % of the samples, which lack it", plain_number(weight_V), 100.0 * out.off / out.samples));
+  notes.push_back(fmt::format("one bit of the converter stands still: its weight, {}, was added to {:.2g} % of the samples, which lack it", plain_number(weight_V), 100.0 * out.off / out.samples));
   return out;
 }
 

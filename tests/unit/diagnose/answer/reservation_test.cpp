@@ -311,6 +311,25 @@ TEST(Reservation, ADeadZoneThatEndsFarUpIsABend) {
   EXPECT_LT(curve_of("static_nonlinearity", 0.2, 0.003), 0.5);
 }
 
+// Growth per decade and in all, with what they are known to.
+double creep_of(double per_decade, double u_per_decade, double in_all, double u_in_all) {
+  Workspace w;
+  ResidualChannel channel;
+  Finding f;
+  f.effect = "creep";
+  f.probability = 0.98;
+  f.parameters = {{"growth_per_decade", per_decade, u_per_decade, "1/decade"}, {"growth_in_17s", in_all, u_in_all, "1"}};
+  reserve(w, channel, MixedFit{}, f);
+  EXPECT_EQ(f.name_is_open, f.probability < 0.5);
+  return f.probability;
+}
+
+TEST(Reservation, AGrowthThatNoRecordTellsIsNoCreep) {
+  EXPECT_LT(creep_of(0.23, 1.3, 1.3, 1.7), 0.5) << "fast loads alone tell a sum of terms and none of them";
+  EXPECT_EQ(creep_of(0.034, 0.0044, 0.04, 0.025), 0.98);
+  EXPECT_EQ(creep_of(-0.01, 0.03, -0.08, 0.01), 0.98);
+}
+
 // Of the reference over the rig's law, in newtons; it resolves 0.02 N.
 double zero_of(const char* form, double rms_N) {
   Workspace w;

@@ -58,5 +58,22 @@ TEST(StuckBit, IsNoStaircase) {
   EXPECT_FALSE(mend_stuck_bit(c, notes));
 }
 
+// A contact under a standing load that is now open, now closed, and a reference that knows nothing of it.
+TEST(StuckBit, IsNoOutputThatHopsBetweenTwoLevels) {
+  Campaign c = make_campaign(71, straight);
+  Rng rng(73, "hops");
+  for (Record& r : c.records) {
+    auto &U = r.trace.find("U")->value, &F = r.trace.find("F_ref")->value;
+    bool open = false;
+    for (std::size_t i = 0; i < U.size(); ++i) {
+      if (rng.uniform() < 0.01) open = !open;
+      F[i] = 2.0 + 0.01 * rng.normal();
+      U[i] = 4.0 + (open ? 0.3 : 0.0) + 0.12 * rng.uniform();
+    }
+  }
+  std::vector<std::string> notes;
+  EXPECT_FALSE(mend_stuck_bit(c, notes));
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose
