@@ -303,6 +303,7 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   collect_findings(w, search, rest, out);
   const Withdrawals withdrawn = withdraw(w, selection, rest, options.threads, out);
   leave_creep_to_moving_zero(w, selection.final, out.findings);
+  leave_unclear_growth_open(out.findings);
   put_in_order(out.findings);
   tell_not_separable(selection, out);
   if (rig_is_judged(w, search)) tell_not_separable(search.rig, out);

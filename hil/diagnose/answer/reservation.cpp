@@ -122,15 +122,6 @@ bool is_unclear_loop(const Asked& a) {
   return (a.f.effect == "hysteresis" || a.f.effect == "backlash") && a.any_width([](const FoundParameter& p) { return std::abs(p.value) < kErrors * p.u; });
 }
 
-// Fast loads alone may tell the sum of its terms and none of them.
-bool is_unclear_growth(const Asked& a) {
-  constexpr double kErrors = 2.0;
-  const auto grows = [](const FoundParameter& p) { return p.name.starts_with("growth_"); };
-  const std::vector<FoundParameter>& p = a.f.parameters;
-  return a.f.effect == "creep" && std::ranges::any_of(p, grows) &&
-         std::ranges::none_of(p, [&](const FoundParameter& q) { return grows(q) && std::abs(q.value) >= kErrors * q.u; });
-}
-
 bool is_play_ahead(const Asked& a) {
   return a.is_blind_play() && a.any_width([](const FoundParameter& p) { return p.value < 0.0; });
 }
@@ -188,7 +179,6 @@ constexpr std::pair<Cap, bool (*)(const Asked&)> kTests[] = {
     {Cap::undeclared_wheel, is_undeclared_wheel},
     {Cap::loop_ahead, is_loop_ahead},
     {Cap::unclear_loop, is_unclear_loop},
-    {Cap::unclear_growth, is_unclear_growth},
     {Cap::play_ahead, is_play_ahead},
     {Cap::ordinary_servo, is_ordinary_servo},
     {Cap::bump_that_stays, is_bump_that_stays},
@@ -219,6 +209,14 @@ void leave_curves_to_larger_causes(std::vector<Finding>& findings) {
     for (Finding& f : findings)
       if (is_curve(f.effect) && f.side == "sensor" && f.shown_in == cause->shown_in && f.effect_rms < cause->effect_rms) lower(cap, f);
   }
+}
+
+void leave_unclear_growth_open(std::vector<Finding>& findings) {
+  constexpr double kErrors = 2.0;
+  const auto grows = [](const FoundParameter& p) { return p.name.starts_with("growth_"); };
+  const auto is_known = [&](const FoundParameter& p) { return grows(p) && std::abs(p.value) >= kErrors * p.u; };
+  for (Finding& f : findings)
+    if (f.effect == "creep" && f.claimed() && std::ranges::any_of(f.parameters, grows) && std::ranges::none_of(f.parameters, is_known)) lower(Cap::unclear_growth, f);
 }
 
 void leave_spikes_to_codes(const Workspace& w, std::vector<Finding>& findings) {

@@ -22,7 +22,6 @@ enum class Cap {
   undeclared_wheel,
   loop_ahead,          ///< of a sensor
   unclear_loop,        ///< of a sensor or a rig
-  unclear_growth,      ///< of a sensor under load
   play_ahead,
   ordinary_servo,
   bump_that_stays,     ///< after a change of frequency
@@ -31,6 +30,7 @@ enum class Cap {
   helps_few,           ///< of the records, or parts, that it touches
   curve_of_loop,
   curve_of_codes,
+  unclear_growth,      ///< of a sensor under load
   spikes_of_codes
 };
 
@@ -56,8 +56,6 @@ inline constexpr std::array kCaps = {
     CapRow{Cap::loop_ahead, "loop_ahead", kWithdrawn,
            "a film is behind its load; that an output is ahead of it by so little is what a late or coarse reference leaves"},
     CapRow{Cap::unclear_loop, "unclear_loop", kWithdrawn, "its loop is no wider than that is known"},
-    CapRow{Cap::unclear_growth, "unclear_growth", kNoClaim,
-           "how much it grows in time is not known from these records: something remembers the load, and a lag or a loop does too; a hold of some minutes would tell", true},
     CapRow{Cap::play_ahead, "play_ahead", kWithdrawn, "nobody reads the angle, and no play is ahead of its command"},
     CapRow{Cap::ordinary_servo, "ordinary_servo", kWithdrawn, "nobody reads the angle, and a servo leaves as much between command and force"},
     CapRow{Cap::bump_that_stays, "bump_that_stays", kNoClaim, "it is not seen to fade back: a gain that goes with the frequency leaves the same", true},
@@ -68,6 +66,8 @@ inline constexpr std::array kCaps = {
     CapRow{Cap::curve_of_loop, "curve_of_loop", kNoClaim,
            "a loop that is wider at one end of the force has a curve of its own: it is asked again once the loop is in the model"},
     CapRow{Cap::curve_of_codes, "curve_of_codes", kNoClaim, "codes of the converter that are off bend the output too: the curve is asked again with another converter"},
+    CapRow{Cap::unclear_growth, "unclear_growth", kNoClaim,
+           "how much it grows in time is not known from these records: something remembers the load, and a lag or a loop does too; a hold of some minutes would tell", true},
     CapRow{Cap::spikes_of_codes, "spikes_of_codes", kNoClaim,
            "they stand off by no more than the steps of the converter's codes: where noise crosses one, a sample jumps"},
 };
@@ -88,6 +88,9 @@ void reserve(const Workspace& workspace, const ResidualChannel& channel, const M
 /// claimed. Loops whose elements do not close evenly over the force (Preisach) have a curve of their own, of up to their own size, and so have
 /// codes; no record tells it from another one.
 void leave_curves_to_larger_causes(std::vector<Finding>& findings);
+
+/// unclear_growth, after what else explains a creep has been told: fast loads alone may tell the sum of its terms and none of them.
+void leave_unclear_growth_open(std::vector<Finding>& findings);
 
 /// spikes_of_codes, beside claimed steps of the codes.
 void leave_spikes_to_codes(const Workspace& workspace, std::vector<Finding>& findings);
