@@ -203,7 +203,7 @@ Result<std::vector<RecordedFile>> record_profiles(const RecordingBench& bench,
     request.specimen = bench.specimen;
     request.seed = bench.seed;
     request.session = bench.session;
-    request.record = json["records"].size() + 1;
+    request.record = p.record > 0 ? p.record : json["records"].size() + 1;
     request.rest_before_s = p.rest_before_s;
     CsvRows rows(per_row, info.geometry.spring_N_per_mm > 0.0);
     PlayedProfile played;
@@ -240,9 +240,12 @@ Result<std::vector<RecordedFile>> record_profiles(const RecordingBench& bench,
     if (journal) FORCEGATE_CHECK_OK(journal->close());
     done_s += made[k]->duration_s();
     FORCEGATE_CHECK_OK(write_file_atomically(folder / file, rows.text()));
-    const double start_s = campaign_s + (json["records"].empty() ? 0.0 : p.rest_before_s + kBetweenRecords_s);
-    json["records"].push_back(describe_record(file, p, *made[k], start_s, bench, played.rig));
-    campaign_s = start_s + made[k]->duration_s();
+    const bool again = p.record > 0 && !journal;  // an emulated record is made anew, as it was; instruments measure another one, later
+    const double start_s = again ? json["records"][p.record - 1].value("start_s", 0.0) : campaign_s + (json["records"].empty() ? 0.0 : p.rest_before_s + kBetweenRecords_s);
+    const Json described = describe_record(file, p, *made[k], start_s, bench, played.rig);
+    if (p.record > 0) json["records"][p.record - 1] = described;
+    else json["records"].push_back(described);
+    campaign_s = std::max(campaign_s, start_s + made[k]->duration_s());
     // after every record: what is recorded stays, whatever happens to the next one
     if (auto listed = write_file_atomically(list, json.dump(1) + "\n"); !listed) {
       fs::remove(folder / file, error);  // no record of the campaign; what instruments said is in the HDF5 file
