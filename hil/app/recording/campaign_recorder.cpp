@@ -94,6 +94,7 @@ void describe_bench(Json& json, const RecordingBench& bench, const RigInfo& rig,
                            {"session", bench.session},
                            {"rate_Hz", rate_of_rows(rig.rate_Hz, bench.rate_Hz)},
                            {"rig_rate_Hz", rig.rate_Hz}};
+  if (rig.name == "bench") json["recorded_with"]["rig_id"] = rig.id;
   if (!settings.empty()) json["recorded_with"]["rig_options"] = settings;
   json["records"] = Json::array();
 }
