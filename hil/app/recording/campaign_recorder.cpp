@@ -138,12 +138,15 @@ Result<void> check_nothing_is_hidden(const fs::path& folder) {
 }
 
 /// What an instrument said is not written over by another attempt.
-Result<void> check_no_leftover(const fs::path& csv) {
+Result<void> check_no_leftover(const fs::path& csv, bool is_listed) {
   std::error_code error;
   for (const char* ending : {".csv", ".fgj", ".h5"}) {
     const fs::path path = fs::path(csv).replace_extension(ending);
     if (!fs::exists(path, error)) continue;
     const bool journal = path.extension() == ".fgj";
+    if (is_listed && path.extension() == ".h5")
+      return fail(ErrorCode::usage, "the file " + csv.filename().string() + " of a listed record is gone, and what the instruments said of it is still there", path.string(),
+                  "move it out of the folder, and --continue records the profile again");
     return fail(ErrorCode::usage, journal ? "there is the journal of an earlier attempt at this record" : "there is such a record already", path.string(),
                 journal ? "forcegate recover makes a file of it; move both away, or choose another folder" : "move it away, or choose another folder");
   }
@@ -213,7 +216,7 @@ Result<std::vector<RecordedFile>> record_profiles(const RecordingBench& bench,
       if (progress) progress((done_s + block.t_s[n - 1]) / total_s, p.name);
     };
     const std::string file = file_of_record(request.record, p.name);
-    FORCEGATE_CHECK_OK(check_no_leftover(folder / file));
+    FORCEGATE_CHECK_OK(check_no_leftover(folder / file, p.record > 0));
     // An emulated record can be made again; what instruments said cannot.
     std::optional<TraceRecorder> journal;
     ProfileSaver saver;
