@@ -71,6 +71,9 @@ std::string encode_request(std::uint64_t id, std::string_view verb, double now_s
 Result<Reply> decode_reply(std::string_view line) {
   if (line.size() > kLineMax) return malformed("a line without end");
   const Json document = Json::parse(line, nullptr, false);
+  if (!document.is_object() && (line.find("NaN") != std::string_view::npos || line.find("Infinity") != std::string_view::npos))
+    return fail(ErrorCode::device, "the adapter's program says NaN or Infinity, which is no JSON: '" + printable_utf8(line.substr(0, 60)) + "'", {},
+                "let it write null for a value that is not there");
   if (!document.is_object())
     return malformed("'" + printable_utf8(line.substr(0, 60)) + "' instead of a JSON object");
   const auto id = document.find("id"), ok = document.find("ok");

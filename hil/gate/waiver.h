@@ -42,7 +42,4 @@ void apply_waivers(const std::vector<Waiver>& waivers, const std::string& today,
                    std::vector<JudgedCheck>& of_run, std::vector<PlayedRecord>& records,
                    std::vector<std::string>& notes);
 
-/// "2026-02-30" is none.
-bool is_iso_date(const std::string& text);
-
 }  // namespace forcegate

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "hil/base/iso_date.h"
 #include "hil/base/text.h"
 #include "hil/interface/device.h"
 #include "hil/rig/config.h"
@@ -13,12 +14,14 @@ namespace {
 
 constexpr const char* kGuide = "docs/bench.md";
 
-bool is_date(const std::string& text) {
-  if (text.size() != 10 || text[4] != '-' || text[7] != '-') return false;
-  for (const std::size_t i : {0U, 1U, 2U, 3U, 5U, 6U, 8U, 9U})
-    if (text[i] < '0' || text[i] > '9') return false;
-  const int month = (text[5] - '0') * 10 + (text[6] - '0'), day = (text[8] - '0') * 10 + (text[9] - '0');
-  return month >= 1 && month <= 12 && day >= 1 && day <= 31;
+// The noise found is judged by the noise declared: one as large as the forces themselves would let any reference pass.
+Result<void> check_declared_noise(const ConfigNode& reference, const BenchFile& bench) {
+  constexpr double kLargest = 0.1;
+  if (!(bench.reference_noise_N > kLargest * bench.limits.force_max_N)) return {};
+  return fail(ErrorCode::config,
+              fmt::format("'noise_N' in [reference] = {} is more than a tenth of force_max_N in [limits], {} N: no noise would be too much for such a reference",
+                          shortest(bench.reference_noise_N), shortest(bench.limits.force_max_N)),
+              reference.find("noise_N")->where, "write the standard deviation of a reading at rest, in N");
 }
 
 Result<void> read_limits(const ConfigNode& table, BenchLimits& out) {
@@ -56,7 +59,7 @@ Result<void> read_calibrations(const ConfigNode& table, std::vector<BenchCalibra
     BenchCalibration c;
     c.what = table.names[i];
     in.text("id", c.id, ConfigReader::required);
-    if (in.text("expires", c.expires, ConfigReader::required) && !is_date(c.expires))
+    if (in.text("expires", c.expires, ConfigReader::required) && !is_iso_date(c.expires))
       in.complain(node, "'expires' of " + what + " is no date", "write it as \"2027-01-31\"");
     FORCEGATE_CHECK_OK(in.finish());
     out.push_back(c);
@@ -154,6 +157,7 @@ Result<BenchFile> build(ConfigNode root) {
   take_number(*reference, "resolution_N", b.reference_resolution_N);
   take_number(*reference, "noise_N", b.reference_noise_N);
   take_number(*reference, "u_rel", b.reference_u_rel);
+  FORCEGATE_CHECK_OK(check_declared_noise(*reference, b));
   b.root = std::move(root);
   return b;
 }

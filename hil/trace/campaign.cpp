@@ -223,13 +223,16 @@ Result<Campaign> read_described(const fs::path& file, const CampaignOptions& opt
   return campaign;
 }
 
+/// forcegate record keeps what the instruments said beside each record: r01_hold.h5 of r01_hold.csv.
+bool is_journal_of(const Record& record, const fs::path& file) { return file.extension() == ".h5" && record.file == fs::path(file).replace_extension(".csv"); }
+
 /// Who names the folder may take all that lies in it for the campaign.
 void note_unlisted(const fs::path& folder, Campaign& campaign) {
   std::vector<std::string> unlisted;
   if (const auto found = recording_files(folder))
     for (const fs::path& file : found->records) {
       std::error_code ignored;
-      if (std::ranges::none_of(campaign.records, [&](const Record& r) { return fs::equivalent(r.file, file, ignored); })) unlisted.push_back(file.filename().string());
+      if (std::ranges::none_of(campaign.records, [&](const Record& r) { return fs::equivalent(r.file, file, ignored) || is_journal_of(r, file); })) unlisted.push_back(file.filename().string());
     }
   if (!unlisted.empty()) campaign.notes.push_back("not read, since campaign.json does not list " + std::string(unlisted.size() == 1 ? "it: " : "them: ") + some_of(unlisted));
 }

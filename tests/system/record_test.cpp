@@ -99,6 +99,44 @@ TEST_F(Record, GoesOnAfterALaterRecordFailedAndMakesTheSameCampaign) {
   EXPECT_EQ(forcegate({"record", "--plan", file, "--continue", "-o", out}).exit_code, 2) << "nothing is missing";
 }
 
+TEST_F(Record, RecordsTheFilesAgainThatACampaignHasLost) {
+  const std::string file = plan("40"), out = folder / "mine", first = out + "/r01_short.csv";
+  const std::vector<std::string> line{"record", "--plan", file, "-o", out}, go_on{"record", "--plan", file, "--continue", "-o", out};
+  ASSERT_EQ(forcegate(line).exit_code, 0);
+  const std::string made = read_text(first), list = read_text(out + "/campaign.json");
+  write_text(first, made.substr(0, made.size() / 2));
+  const ProcessResult cut = forcegate(go_on);
+  EXPECT_EQ(cut.exit_code, 2);
+  EXPECT_THAT(cut.err, HasSubstr("the file of a record is cut off"));
+  EXPECT_THAT(cut.err, HasSubstr("help: rm " + first + ", and --continue records it again"));
+  fs::remove(first);
+  EXPECT_THAT(forcegate(line).err, HasSubstr("with 1 of the 2 records"));
+  const ProcessResult again = forcegate(go_on);
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_THAT(again.out, HasSubstr("beside 1 that were there"));
+  EXPECT_EQ(read_text(first), made);
+  EXPECT_EQ(read_text(out + "/campaign.json"), list);
+}
+
+TEST_F(Record, KeepsWhatInstrumentsSaidOfAFileThatABenchHasLost) {
+  const std::string file = plan("40"), out = folder / "mine", bench = FORCEGATE_SOURCE_DIR "/rigs/twin.toml";
+  const ProcessResult made = forcegate({"record", "--plan", file, "--case", "short", "--rig", bench, "-o", out});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_THAT(read_text(out + "/campaign.json"), HasSubstr("\"rig_id\": \"twin-tcp\""));
+  const std::vector<std::string> go_on{"record", "--plan", file, "--case", "short", "--rig", bench, "--continue", "-o", out};
+  fs::remove(out + "/r01_short.csv");
+  const ProcessResult kept = forcegate(go_on);
+  EXPECT_EQ(kept.exit_code, 2);
+  EXPECT_THAT(kept.err, HasSubstr("the file r01_short.csv of a listed record is gone"));
+  EXPECT_THAT(kept.err, HasSubstr("where: " + out + "/r01_short.h5"));
+  fs::rename(out + "/r01_short.h5", folder / "elsewhere.h5");
+  const ProcessResult again = forcegate(go_on);
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_TRUE(fs::exists(out + "/r01_short.csv"));
+  const ProcessResult other = forcegate({"record", "--plan", file, "--case", "short", "--rig", FORCEGATE_SOURCE_DIR "/rigs/twin_rtu.toml", "--continue", "-o", out});
+  EXPECT_THAT(other.err, HasSubstr("bench twin-tcp there, "));
+}
+
 TEST_F(Record, DoesNotBeginACampaignThatItWasToGoOnWith) {
   const ProcessResult r = forcegate({"record", "--plan", plan("40"), "--continue", "-o", folder / "mistyped"});
   EXPECT_EQ(r.exit_code, 2) << r.out;

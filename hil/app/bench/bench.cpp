@@ -48,6 +48,25 @@ Result<void> no_reading(const std::map<std::string, std::uint64_t>& counts) {
               "check scale, units and wiring: counts_per_force, units and force_max_N of [reference]");
 }
 
+bool is_valid(const ReferenceReading& r) { return r.status == 0 && std::isfinite(r.force_N); }
+
+// Readings that came and of which none says a force.
+Result<void> no_valid_reading(const std::vector<ReferenceReading>& readings) {
+  const bool overloaded = std::ranges::any_of(readings, [](const ReferenceReading& r) { return (r.status & kRigReferenceSaturated) != 0; });
+  return fail(ErrorCode::device,
+              fmt::format("none of {} readings within 0.1 s is valid: {}", readings.size(), overloaded ? "the reference is overloaded" : "it answers faults or no number"),
+              "reference",
+              overloaded ? "unload the sensor and look for what blocks the wheel" : "check its cable and what its maker says of its error codes");
+}
+
+std::string what_it_reads(const std::vector<ReferenceReading>& readings, double took_s) {
+  const auto last = std::find_if(readings.rbegin(), readings.rend(), is_valid);
+  if (last == readings.rend()) return "";
+  const auto faulty = readings.size() - static_cast<std::size_t>(std::ranges::count_if(readings, is_valid));
+  return fmt::format("{:.3f} N, {} readings in {:.2g} s{}", static_cast<double>(last->force_N), readings.size(), took_s,
+                     faulty > 0 ? fmt::format(", {} of them not valid", faulty) : "");
+}
+
 }  // namespace
 
 std::vector<BenchRow> list_benches(const std::vector<fs::path>& files) {
@@ -91,7 +110,7 @@ std::vector<BenchRow> list_benches(const std::vector<fs::path>& files) {
 
 Result<std::vector<BenchItem>> examine_bench(const fs::path& file,
                                              const std::map<std::string, std::string>& options) {
-  FORCEGATE_TRY(BenchFile bench, read_bench(file));
+  FORCEGATE_TRY(const BenchFile bench, read_bench(file));
   std::vector<BenchItem> items;
   const auto given = options.find("today");
   const std::string day = given != options.end() ? given->second : utc_today();
@@ -128,13 +147,10 @@ Result<std::vector<BenchItem>> examine_bench(const fs::path& file,
   }
   const double took_s = world.now_s() - from_s;
   if (reference && readings.empty()) reference = no_reading(s->reference().counts());
+  if (reference && std::ranges::none_of(readings, is_valid)) reference = no_valid_reading(readings);
   if (board && samples.empty())
     board = fail(ErrorCode::timeout, "no sample within 0.1 s", "board", "reset the board");
-  add("reference", reference,
-      readings.empty()
-          ? ""
-          : fmt::format("{}: {:.3f} N, {:.0f} records/s", who(details, "reference"),
-                        static_cast<double>(readings.back().force_N), s->reference().facts().rate_Hz));
+  add("reference", reference, who(details, "reference") + ": " + what_it_reads(readings, took_s));
   add("board", board,
       samples.empty() ? ""
                       : fmt::format("{}: code {}, {} samples in {:.2g} s", who(details, "board"),
@@ -148,6 +164,11 @@ Result<std::vector<BenchItem>> examine_bench(const fs::path& file,
                           state->fault ? fmt::format("fault {:#x}", state->fault_code) : "no fault",
                           1e3 * s->motor().drive_timeout_s())
             : "");
+  if (state && beyond_travel_rad(bench.geometry, state->theta_rad) > kNearTravel_rad) {
+    items.back().good = false;
+    items.back().found += fmt::format(", outside its travel of {} to {:.3f} rad", shortest(bench.geometry.theta_min_rad), bench.geometry.theta_max_rad);
+    items.back().remedy = kIntoTravel;
+  }
   if (state && state->fault)
     items.back().good = false, items.back().remedy = "find the cause of the fault in the drive's manual, then forcegate bench reset with the bench file";
   return items;

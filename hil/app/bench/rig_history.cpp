@@ -43,12 +43,19 @@ Result<std::vector<RigVisit>> read_history(const std::filesystem::path& path) {
   std::vector<RigVisit> visits;
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored)) return visits;
+  if (!std::filesystem::is_regular_file(path, ignored))
+    return fail(ErrorCode::usage, "a rig's history is a file that is read and added to, and this is none", path.string(), "name a file with --history; it need not exist yet");
   FORCEGATE_TRY(const std::string text, read_file(path));
+  const std::vector<std::string> lines = split(text, '\n');  // the last one has no end: empty, or what was not written whole
   std::size_t line_number = 0;
-  for (const std::string& line : split(text, '\n')) {
+  for (const std::string& line : lines) {
     ++line_number;
     if (line.empty()) continue;
     const auto j = nlohmann::json::parse(line, nullptr, false);
+    const bool cut = line_number == lines.size() && line.front() == '{' && j.is_discarded();
+    if (cut)
+      return fail(ErrorCode::parse, "the last line of the rig's history is cut off: its visit was not written whole", fmt::format("{}:{}", path.string(), line_number),
+                  fmt::format("remove line {}; the visits before it are kept", line_number));
     if (!j.is_object() || j.value("format", 0) != 1 || !j.contains("values") || !j["values"].is_object())
       return fail(ErrorCode::parse, "this is no line of a rig's history",
                   fmt::format("{}:{}", path.string(), line_number),
@@ -73,8 +80,10 @@ Result<void> append_visit(const std::filesystem::path& path, const RigVisit& v) 
                                  {"firmware_sha256", v.firmware_sha256},
                                  {"decision", v.decision},
                                  {"values", values}};
+  bool open_end = false;  // a last line without its end would be one with this visit
+  if (std::ifstream before(path, std::ios::binary | std::ios::ate); before && before.tellg() > 0) open_end = before.seekg(-1, std::ios::end).get() != '\n';
   std::ofstream out(path, std::ios::app | std::ios::binary);
-  out << j.dump() << "\n" << std::flush;
+  out << (open_end ? "\n" : "") << j.dump() << "\n" << std::flush;
   if (!out) return fail(ErrorCode::io, "the history cannot be written", path.string());
   return {};
 }

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "hil/base/some_of.h"
 #include "hil/base/text.h"
 #include "hil/base/units.h"
 #include "hil/trace/csv_table.h"
@@ -25,6 +27,10 @@ const CsvColumn* find_column(const CsvTable& table, const std::string& name) {
 
 Result<const CsvColumn*> column(const CsvTable& table, const std::string& name, const LawsRequest& request) {
   if (const CsvColumn* found = find_column(table, name)) return found;
+  for (const TextColumn& text : table.text_columns)
+    if (text.header == name || plain_name(text.header) == name)
+      return fail(ErrorCode::usage, "the column '" + printable_utf8(name) + "' holds text: '" + printable_utf8(text.cell) + "'", fmt::format("{}:{}", request.table.string(), text.line),
+                  text.hint.empty() ? "give each of its words a number, or a column of 0 and 1" : text.hint);
   std::vector<std::string> names;
   for (const CsvColumn& c : table.columns) names.push_back(plain_name(c.header));
   const std::string near = nearest_name(name, names);
@@ -38,9 +44,57 @@ std::string unit_of(const std::string& header) {
   return split_off ? split_off->unit.symbol : "";
 }
 
+/// Which rows have every value that is asked for.
+class SoundRows {
+ public:
+  explicit SoundRows(std::size_t rows) : kept_(rows, 1) {}
+
+  void ask(const std::string& name, const std::vector<double>& value) {
+    for (std::size_t r = 0; r < kept_.size(); ++r)
+      if (!std::isfinite(value[r]) && kept_[r] != 0) kept_[r] = 0, gaps_.emplace_back(r, name);
+  }
+  Result<void> check(const CsvTable& table, const LawsRequest& request) const {
+    if (4 * gaps_.size() <= kept_.size()) return {};
+    const auto first = std::ranges::min_element(gaps_);
+    return fail(ErrorCode::usage, fmt::format("{} of {} rows have a gap: the first one in {}", gaps_.size(), kept_.size(), first->second),
+                fmt::format("{}:{}", request.table.string(), table.line_of_row(first->first)), "fill the cells, or name with --over the columns that count");
+  }
+  std::vector<double> of(const std::vector<double>& value) const {
+    std::vector<double> out;
+    for (std::size_t r = 0; r < value.size(); ++r)
+      if (kept_[r] != 0) out.push_back(value[r]);
+    return out;
+  }
+  std::vector<std::string> notes(const CsvTable& table) const {
+    std::vector<std::string> parts;
+    for (const auto& [row, name] : gaps_) parts.push_back(fmt::format("line {} ({})", table.line_of_row(row), name));
+    if (parts.empty()) return {};
+    return {(parts.size() == 1 ? "a row with a gap is left out: " : "rows with a gap are left out: ") + some_of(parts)};
+  }
+
+ private:
+  std::vector<char> kept_;
+  std::vector<std::pair<std::size_t, std::string>> gaps_;
+};
+
+// Rounding of a sum is no scatter between records.
+bool is_constant(const std::vector<double>& value) {
+  constexpr double kRounding = 1e-12;
+  const auto [low, high] = std::ranges::minmax(value);
+  return high - low <= kRounding * std::max(std::abs(low), std::abs(high));
+}
+
+ParameterAnswer constant_answer(const ParameterQuestion& q, ParameterAnswer answer) {
+  answer.added.clear(), answer.ranking.clear();
+  answer.law = {{"1", q.scale == ResponseScale::logarithm ? std::log(q.value.front()) : q.scale == ResponseScale::reciprocal ? 1.0 / q.value.front() : q.value.front(), 0.0}};
+  answer.loo_constant = answer.loo_before = answer.loo_after = answer.scatter = 0.0;
+  answer.sentence = fmt::format("{} is the same in every record, {:.6g}{}: there is nothing to explain", q.name, q.value.front(), q.unit.empty() ? "" : " " + q.unit);
+  return answer;
+}
+
 }  // namespace
 
-Result<std::vector<ParameterAnswer>> laws(const LawsRequest& request) {
+Result<std::vector<ParameterAnswer>> laws(const LawsRequest& request, std::vector<std::string>* notes) {
   FORCEGATE_TRY(const CsvTable table, read_csv_table(request.table));
   ParameterQuestion base;
   base.alpha = request.alpha / static_cast<double>(std::max<std::size_t>(1, request.of.size()));
@@ -74,16 +128,31 @@ Result<std::vector<ParameterAnswer>> laws(const LawsRequest& request) {
       }
     base.law.push_back(std::move(term));
   }
+  SoundRows sound(table.rows());
+  for (const Covariate& c : base.covariates) sound.ask(c.name, c.value);
+  for (const std::string& name : request.of) {
+    FORCEGATE_TRY(const CsvColumn* c, column(table, name, request));
+    sound.ask(name, c->value);
+    if (const CsvColumn* u = find_column(table, "u_" + name)) sound.ask(u->header, u->value);
+  }
+  FORCEGATE_CHECK_OK(sound.check(table, request));
+  for (Covariate& c : base.covariates) c.value = sound.of(c.value);
+  if (notes != nullptr) {
+    if (request.over.empty())
+      for (const TextColumn& text : table.text_columns)
+        notes->push_back("the column '" + printable_utf8(text.header) + "' holds text ('" + printable_utf8(text.cell) + "') and is no covariate: give each of its words a number");
+    for (std::string& note : sound.notes(table)) notes->push_back(std::move(note));
+  }
   std::vector<ParameterAnswer> out;
   for (const std::string& name : request.of) {
     ParameterQuestion q = base;
     FORCEGATE_TRY(const CsvColumn* c, column(table, name, request));
     q.name = name;
     q.unit = request.scale == "log" ? "" : unit_of(c->header);
-    q.value = c->value;
-    if (const CsvColumn* u = find_column(table, "u_" + name)) q.u = u->value;
+    q.value = sound.of(c->value);
+    if (const CsvColumn* u = find_column(table, "u_" + name)) q.u = sound.of(u->value);
     FORCEGATE_TRY(ParameterAnswer answer, missing_dependence(q));
-    out.push_back(std::move(answer));
+    out.push_back(is_constant(q.value) ? constant_answer(q, std::move(answer)) : std::move(answer));
   }
   return out;
 }
@@ -91,6 +160,10 @@ Result<std::vector<ParameterAnswer>> laws(const LawsRequest& request) {
 std::string laws_text(const std::vector<ParameterAnswer>& answers) {
   std::string out;
   for (const ParameterAnswer& a : answers) {
+    if (a.ranking.empty() && a.scatter == 0.0 && a.law.size() == 1) {
+      out += a.sentence + "\n";
+      continue;
+    }
     out += a.sentence + "\n  law: " + a.response + " =";
     for (std::size_t k = 0; k < a.law.size(); ++k) {
       const LawCoefficient& c = a.law[k];
@@ -111,7 +184,7 @@ std::string laws_text(const std::vector<ParameterAnswer>& answers) {
   return out;
 }
 
-std::string laws_json(const std::vector<ParameterAnswer>& answers) {
+std::string laws_json(const std::vector<ParameterAnswer>& answers, const std::vector<std::string>& notes) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   const auto term_json = [](const RankedTerm& r) {
     return nlohmann::ordered_json{
@@ -142,7 +215,7 @@ std::string laws_json(const std::vector<ParameterAnswer>& answers) {
          {"ranking", ranking},
          {"sentence", a.sentence}});
   }
-  return nlohmann::ordered_json{{"format", 1}, {"parameters", list}}.dump(2) + "\n";
+  return nlohmann::ordered_json{{"format", 1}, {"parameters", list}, {"notes", notes}}.dump(2) + "\n";
 }
 
 }  // namespace forcegate

@@ -21,9 +21,10 @@ struct LawsRequest {
 };
 
 /// Columns are named with their unit or without it. Covariates of the law need not be listed in `over`. Errors: a column that is not there, a parameter
-/// that stands in its own law (usage); those of missing_dependence.
-Result<std::vector<ParameterAnswer>> laws(const LawsRequest& request);
+/// that stands in its own law, more than a quarter of the rows with a gap (usage); those of missing_dependence. Rows with a gap in what is asked for are
+/// left out, and columns of text are no covariates: `notes`, if given, get that.
+Result<std::vector<ParameterAnswer>> laws(const LawsRequest& request, std::vector<std::string>* notes = nullptr);
 std::string laws_text(const std::vector<ParameterAnswer>& answers);
-std::string laws_json(const std::vector<ParameterAnswer>& answers);
+std::string laws_json(const std::vector<ParameterAnswer>& answers, const std::vector<std::string>& notes = {});
 
 }  // namespace forcegate

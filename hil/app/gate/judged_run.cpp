@@ -1,5 +1,6 @@
 #include "hil/app/gate/judged_run.h"
 
+#include "hil/base/iso_date.h"
 #include "hil/base/text.h"
 
 namespace forcegate {

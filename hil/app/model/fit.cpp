@@ -29,6 +29,16 @@ bool has_effect(const Model& model, const std::string& name) {
 
 namespace {
 
+// A file holds no value that was written before the fit: a refit of what it says would look two decades around the fitted one, and further each time.
+void keep_reach(Model& model) {
+  for (UserEffect& own : model.user_effects)
+    for (ModelParameter& p : own.parameters) {
+      if (!std::isfinite(p.written)) continue;
+      const diagnose::Reach reach = diagnose::reach_of(p);
+      p.minimum = reach.low, p.maximum = reach.high;
+    }
+}
+
 Result<diagnose::Refit> fit_campaign(const CampaignRequest& request, Campaign campaign, const Model& model,
                                      const std::string& add) {
   const PlacesOf places(campaign, request.campaign);
@@ -51,6 +61,10 @@ Result<diagnose::Refit> fit_campaign(const CampaignRequest& request, Campaign ca
     }
   for (std::string& note : left_out_notes(model, add)) out->notes.push_back(std::move(note));
   for (std::string& note : beyond_bounds_notes(out->model)) out->notes.push_back(std::move(note));
+  for (const UserEffect& effect : out->model.user_effects)
+    if (effect.name != add)  // of the added one a warning says it
+      for (std::string& note : shapes_at_their_ends(effect)) out->notes.push_back(std::move(note));
+  keep_reach(out->model);
   return out;
 }
 

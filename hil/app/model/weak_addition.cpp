@@ -30,14 +30,24 @@ void tell_strengths(const std::string& effect, std::vector<const ModelParameter*
                          " within two standard errors of 0, where there is no such effect: these records do not show it");
 }
 
-void tell_shape(const std::string& effect, const ModelParameter& p, double low, double high, const std::string& help, WeakAddition& out) {
+void tell_shape(const std::string& effect, const ModelParameter& p, double low, double high, const std::string& help, std::vector<std::string>& out) {
   constexpr double kSame = 1e-6;
   const auto at = [&](double end) { return std::abs(p.value - end) <= kSame * std::abs(end); };
   if (!(p.se > 0.0) || (!at(low) && !at(high))) return;
-  out.warnings.push_back(fmt::format("{} lies at an end of what it may be ({:.4g} to {:.4g}): {}", told(effect, p), low, high, help));
+  out.push_back(fmt::format("{} lies at an end of what it may be ({:.4g} to {:.4g}): {}", told(effect, p), low, high, help));
 }
 
 }  // namespace
+
+std::vector<std::string> shapes_at_their_ends(const UserEffect& own) {
+  std::vector<std::string> out;
+  for (const ModelParameter& p : own.parameters) {
+    if (!std::isfinite(p.written)) continue;
+    const diagnose::Reach reach = diagnose::reach_of(p);
+    tell_shape(own.name, p, reach.low, reach.high, "write another value or wider bounds, or another equation", out);
+  }
+  return out;
+}
 
 WeakAddition weak_addition(const diagnose::Refit& r, const std::string& added) {
   WeakAddition out;
@@ -51,18 +61,13 @@ WeakAddition weak_addition(const diagnose::Refit& r, const std::string& added) {
     for (std::size_t k = 0; form != nullptr && k < std::min(form->shape.size(), effect.shape.size()); ++k)
       if (!form->shape[k].choice && effect.shape[k].value != 0.0)  // no lag behind the temperature, no width: nothing is beyond it
         tell_shape(added, effect.shape[k], effect.shape[k].minimum, effect.shape[k].maximum,
-                   "the records ask for more than such an effect has, and another form or effect may be there", out);
+                   "the records ask for more than such an effect has, and another form or effect may be there", out.warnings);
   }
   for (const UserEffect& own : r.model.user_effects) {
     if (own.name != added) continue;
-    for (const ModelParameter& p : own.parameters) {
-      if (!std::isfinite(p.written)) {
-        if (p.se > 0.0) strengths.push_back(&p);  // what was not fitted has none
-        continue;
-      }
-      const diagnose::Reach reach = diagnose::reach_of(p);
-      tell_shape(added, p, reach.low, reach.high, "write another value or wider bounds, or another equation", out);
-    }
+    for (const ModelParameter& p : own.parameters)
+      if (!std::isfinite(p.written) && p.se > 0.0) strengths.push_back(&p);  // what was not fitted has none
+    for (std::string& warning : shapes_at_their_ends(own)) out.warnings.push_back(std::move(warning));
   }
   constexpr double kHardly = 0.98;
   const bool falls = r.error_after <= kHardly * r.error_before;

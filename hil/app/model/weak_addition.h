@@ -17,4 +17,7 @@ struct WeakAddition {
 /// errors do not fall where the adapted one keeps 98 % and the plain one all. A shape at an end of its range is warned of, and shown all the same.
 WeakAddition weak_addition(const diagnose::Refit& refit, const std::string& added);
 
+/// Sentences on fitted shapes of an equation of the user's own that lie at an end of what they may be.
+std::vector<std::string> shapes_at_their_ends(const UserEffect& own);
+
 }  // namespace forcegate

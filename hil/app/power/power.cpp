@@ -262,6 +262,10 @@ std::size_t PowerRequest::runs_of(const Mutant& m) const { return m.level ? std:
 
 bool PowerResult::nothing_built() const { return outcomes.empty() && !not_built.empty() && std::max(request.mutant_seeds, request.family_seeds) > 0; }
 
+bool PowerResult::nothing_played() const {
+  return std::ranges::all_of(outcomes, [](const MutantOutcome& o) { return o.runs == 0; });
+}
+
 bool PowerResult::good() const {
   if (reference.rejected + panel.rejected > 0 || nothing_built()) return false;
   return std::all_of(outcomes.begin(), outcomes.end(), [&](const MutantOutcome& o) {

@@ -27,6 +27,7 @@ struct PowerRequest {
   std::vector<std::string> only;  ///< names of mutants or families; empty = all
   std::filesystem::path journal;  ///< gatings done are kept there and not done again; empty: none is kept
   unsigned threads = 0;
+  std::filesystem::path markdown = "docs/power.md";  ///< named by the page as where it is written
 
   std::size_t runs_of(const Mutant& m) const;
 };
@@ -74,6 +75,7 @@ struct PowerResult {
   std::vector<const MutantOutcome*> survivors() const;  ///< bad builds that some run did not reject
   std::vector<const MutantOutcome*> refused() const;    ///< good builds that some run did not accept
   PowerCount slipped() const;  ///< accepted runs of bad builds that the plan claims to see
+  bool nothing_played() const;  ///< there are mutants, and no run of any was asked for
   bool nothing_built() const;  ///< runs of mutants are asked for, and there is no image of any
   /// No good build rejected, no survivor that is not declared as one, every build that is there was played.
   bool good() const;

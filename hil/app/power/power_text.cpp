@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/app/files/beside_program.h"
 #include "hil/app/power/power.h"
 #include "hil/base/plain_number.h"
 #include "hil/base/text.h"
@@ -18,6 +19,7 @@ std::string share(std::size_t k, std::size_t n) {
 }
 
 std::string verdict(const MutantOutcome& o) {
+  if (o.runs == 0) return "not played";
   const std::size_t undecided = o.runs - o.rejected - o.accepted;
   for (const auto& [n, word] :
        {std::pair(o.accepted, "accepted"), {o.rejected, "REJECTED"}, {undecided, "undecided"}})
@@ -75,7 +77,10 @@ std::string command(const PowerRequest& r) {
                                  r.plan, r.seeds, r.mutant_seeds, r.family_seeds);
   if (r.panel_seeds > 0)
     line += fmt::format(" --panel-plan {} --panel-seeds {}", r.panel_plan, r.panel_seeds);
-  return line + " --markdown docs/power.md";
+  for (const std::string& only : r.only) line += " --mutant " + shell_quoted(only);
+  if (r.quick) line += " --quick";
+  if (!r.firmware.empty() && r.firmware != "build/firmware" && r.firmware != program_folder() / "firmware") line += " --firmware " + shell_quoted(r.firmware.string());
+  return line + " --markdown " + shell_quoted(r.markdown.string());
 }
 
 std::string slip(const PowerResult& r) {

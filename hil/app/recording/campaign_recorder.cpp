@@ -94,6 +94,7 @@ void describe_bench(Json& json, const RecordingBench& bench, const RigInfo& rig,
                            {"session", bench.session},
                            {"rate_Hz", rate_of_rows(rig.rate_Hz, bench.rate_Hz)},
                            {"rig_rate_Hz", rig.rate_Hz}};
+  if (rig.name == "bench") json["recorded_with"]["rig_id"] = rig.id;
   if (!settings.empty()) json["recorded_with"]["rig_options"] = settings;
   json["records"] = Json::array();
 }
@@ -137,12 +138,15 @@ Result<void> check_nothing_is_hidden(const fs::path& folder) {
 }
 
 /// What an instrument said is not written over by another attempt.
-Result<void> check_no_leftover(const fs::path& csv) {
+Result<void> check_no_leftover(const fs::path& csv, bool is_listed) {
   std::error_code error;
   for (const char* ending : {".csv", ".fgj", ".h5"}) {
     const fs::path path = fs::path(csv).replace_extension(ending);
     if (!fs::exists(path, error)) continue;
     const bool journal = path.extension() == ".fgj";
+    if (is_listed && path.extension() == ".h5")
+      return fail(ErrorCode::usage, "the file " + csv.filename().string() + " of a listed record is gone, and what the instruments said of it is still there", path.string(),
+                  "move it out of the folder, and --continue records the profile again");
     return fail(ErrorCode::usage, journal ? "there is the journal of an earlier attempt at this record" : "there is such a record already", path.string(),
                 journal ? "forcegate recover makes a file of it; move both away, or choose another folder" : "move it away, or choose another folder");
   }
@@ -203,7 +207,7 @@ Result<std::vector<RecordedFile>> record_profiles(const RecordingBench& bench,
     request.specimen = bench.specimen;
     request.seed = bench.seed;
     request.session = bench.session;
-    request.record = json["records"].size() + 1;
+    request.record = p.record > 0 ? p.record : json["records"].size() + 1;
     request.rest_before_s = p.rest_before_s;
     CsvRows rows(per_row, info.geometry.spring_N_per_mm > 0.0);
     PlayedProfile played;
@@ -212,7 +216,7 @@ Result<std::vector<RecordedFile>> record_profiles(const RecordingBench& bench,
       if (progress) progress((done_s + block.t_s[n - 1]) / total_s, p.name);
     };
     const std::string file = file_of_record(request.record, p.name);
-    FORCEGATE_CHECK_OK(check_no_leftover(folder / file));
+    FORCEGATE_CHECK_OK(check_no_leftover(folder / file, p.record > 0));
     // An emulated record can be made again; what instruments said cannot.
     std::optional<TraceRecorder> journal;
     ProfileSaver saver;
@@ -240,9 +244,12 @@ Result<std::vector<RecordedFile>> record_profiles(const RecordingBench& bench,
     if (journal) FORCEGATE_CHECK_OK(journal->close());
     done_s += made[k]->duration_s();
     FORCEGATE_CHECK_OK(write_file_atomically(folder / file, rows.text()));
-    const double start_s = campaign_s + (json["records"].empty() ? 0.0 : p.rest_before_s + kBetweenRecords_s);
-    json["records"].push_back(describe_record(file, p, *made[k], start_s, bench, played.rig));
-    campaign_s = start_s + made[k]->duration_s();
+    const bool again = p.record > 0 && !journal;  // an emulated record is made anew, as it was; instruments measure another one, later
+    const double start_s = again ? json["records"][p.record - 1].value("start_s", 0.0) : campaign_s + (json["records"].empty() ? 0.0 : p.rest_before_s + kBetweenRecords_s);
+    const Json described = describe_record(file, p, *made[k], start_s, bench, played.rig);
+    if (p.record > 0) json["records"][p.record - 1] = described;
+    else json["records"].push_back(described);
+    campaign_s = std::max(campaign_s, start_s + made[k]->duration_s());
     // after every record: what is recorded stays, whatever happens to the next one
     if (auto listed = write_file_atomically(list, json.dump(1) + "\n"); !listed) {
       fs::remove(folder / file, error);  // no record of the campaign; what instruments said is in the HDF5 file

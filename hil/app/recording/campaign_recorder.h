@@ -21,6 +21,7 @@ struct ProfileToRecord {
   std::string name;
   StimulusSpec stimulus;
   double rest_before_s = 7200.0;
+  std::size_t record = 0;  ///< number of the record in the list whose file is missing; 0: the next one
 };
 
 /// Where and on what.
@@ -49,7 +50,8 @@ std::string file_of_record(std::size_t number, const std::string& name);
 using RecordingProgress = std::function<void(double fraction, std::string_view now)>;
 
 /// Plays the profiles one after the other and writes them into `folder`, which must hold a campaign already (they are
-/// appended to its campaign.json) or none. Record numbers and campaign time go on where the campaign ends. An existing
+/// appended to its campaign.json) or none. Record numbers and campaign time go on where the campaign ends;
+/// a record that is listed already (ProfileToRecord::record) keeps its place, and on an emulated rig its time. An existing
 /// file is never overwritten. Errors: those of the rig; usage when the rig cannot
 /// move, or the folder holds recordings and no campaign.json.
 Result<std::vector<RecordedFile>> record_profiles(const RecordingBench& bench,

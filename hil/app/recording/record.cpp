@@ -23,9 +23,22 @@ using Json = nlohmann::json;
 
 /// What a folder holds of the campaign that is asked for.
 struct Recorded {
-  std::size_t records = 0;           ///< how many of the profiles; 0 where it is another campaign
+  std::size_t records = 0;           ///< how many of the profiles with their files; 0 where it is another campaign
   std::vector<std::string> differs;  ///< what makes it another one: "seed 1 there, 2 asked"
+  std::vector<std::size_t> missing = {};  ///< numbers of records that are listed, of which the file is gone
+  std::vector<Error> damaged = {};        ///< of files that are there and do not hold their record
 };
+
+/// Error: the file is not the whole record that the list tells of.
+Result<void> check_whole(const fs::path& csv, const Json& listed) {
+  const std::string remedy = "rm " + shell_quoted(csv.string()) + ", and --continue records it again";
+  const auto text = read_file(csv);
+  if (!text) return fail(ErrorCode::io, "a record of the campaign cannot be read: " + text.error().text, csv.string(), remedy);
+  constexpr double kRounding = 2.0;
+  const double rows = static_cast<double>(std::ranges::count(*text, '\n')) - 1.0, asked = listed.value("duration_s", 0.0) * listed.value("fs_Hz", 0.0);
+  if (text->ends_with('\n') && rows >= asked - kRounding) return {};
+  return fail(ErrorCode::parse, fmt::format("the file of a record is cut off: {:.0f} of its {:.0f} rows are there", std::max(0.0, rows), asked), csv.string(), remedy);
+}
 
 Result<Recorded> recorded_of(const fs::path& list, const std::vector<ProfileToRecord>& profiles, const RecordingBench& bench) {
   FORCEGATE_TRY(const std::string text, read_file(list));
@@ -44,7 +57,16 @@ Result<Recorded> recorded_of(const fs::path& list, const std::vector<ProfileToRe
     out.differs.push_back(there_and_asked(fmt::format("record {}", k + 1), name.is_string() ? printable_utf8(name.get<std::string>()) : "none", printable_utf8(asked)));
     break;  // one record more or less, and all behind it have another number
   }
-  if (out.differs.empty()) out.records = records.size();
+  if (!out.differs.empty()) return out;
+  std::error_code unknown;
+  for (std::size_t k = 0; k < records.size(); ++k) {
+    const fs::path csv = list.parent_path() / file_of_record(k + 1, profiles[k].name);
+    if (!fs::exists(csv, unknown))
+      out.missing.push_back(k + 1);
+    else if (auto whole = check_whole(csv, records[k]); !whole)
+      out.damaged.push_back(std::move(whole).error());
+  }
+  out.records = records.size() - out.missing.size();
   return out;
 }
 
@@ -100,11 +122,19 @@ Result<RecordResult> record(const RecordRequest& request, const RecordingProgres
     if (!there.differs.empty())
       return fail(ErrorCode::usage, "there is another campaign already: " + join(there.differs, "; "), request.output.string(),
                   "choose another folder with -o; only the same campaign goes on with --continue");
+    if (request.go_on && !there.damaged.empty()) return Unexpected(there.damaged.front());
     if (!request.go_on || out.were_there == planned)
       return fail(ErrorCode::usage, fmt::format("there is a campaign already, with {} of the {} records", out.were_there, planned), request.output.string(),
                   out.were_there == planned ? "choose another folder with -o" : "add --continue to record the others, or choose another folder with -o");
     remove_halves(request.output);
-    profiles.erase(profiles.begin(), profiles.begin() + static_cast<std::ptrdiff_t>(out.were_there));
+    std::vector<ProfileToRecord> rest;
+    for (std::size_t k = 0; k < profiles.size(); ++k) {
+      const bool is_listed = k < there.records + there.missing.size();
+      if (is_listed && std::ranges::find(there.missing, k + 1) == there.missing.end()) continue;
+      rest.push_back(profiles[k]);
+      if (is_listed) rest.back().record = k + 1;
+    }
+    profiles = std::move(rest);
   }
   RecordingBench bench = request.bench;
   bench.safety = plan.safety;

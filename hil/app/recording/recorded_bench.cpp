@@ -62,6 +62,7 @@ std::optional<RecordedBench> recorded_bench(std::string_view description) {
   const Json rig = with.value("rig", Json());
   out.rig = rig.is_string() ? rig.get<std::string>() : kNone;
   out.rig = out.rig.substr(0, out.rig.find('/'));
+  if (const Json id = with.value("rig_id", Json()); id.is_string()) out.rig_id = id.get<std::string>();
   out.specimen = specimen_of(campaign);
   out.seed = count_of(with, "seed"), out.session = count_of(with, "session");
   out.rate_Hz = number_of(with, "rate_Hz"), out.rig_rate_Hz = number_of(with, "rig_rate_Hz");
@@ -87,6 +88,10 @@ Result<std::vector<std::string>> differences(const RecordedBench& there, const R
   compare("seed", count_text(there.seed), count_text(asked.seed));
   compare("session", count_text(there.session), count_text(asked.session));
   compare("rate", rate_text(there.rate_Hz), rate_text(there.rig_rate_Hz.value_or(0.0) > 0.0 ? rate_of_rows(*there.rig_rate_Hz, asked.rate_Hz) : asked.rate_Hz));
+  if (there.rig_id && there.rig == asked.rig) {
+    FORCEGATE_TRY(const auto rig, make_rig(asked.rig, asked.rig_options));
+    compare("bench", printable_utf8(*there.rig_id), printable_utf8(rig->info().id));
+  }
   if (!there.settings || there.rig != asked.rig) return out;
   // an option that is given as it would be anyway is no difference, one that is not known yet has the value of all time
   FORCEGATE_TRY(const auto then, make_rig(there.rig, *there.settings));
@@ -110,6 +115,10 @@ Result<BenchToGoOn> bench_to_go_on(const std::filesystem::path& campaign, const 
   bench.rig = given.rig;
   const std::optional<RecordedBench> there = recorded_bench_of(campaign);
   const bool same_rig = there && there->rig == given.rig;
+  if (there && !same_rig && given.rig != "replay")
+    return fail(ErrorCode::usage, "the campaign was recorded otherwise: " + there_and_asked("rig", printable_utf8(there->rig), printable_utf8(given.rig)), campaign.string(),
+                std::string(there->rig == "bench" ? "give its bench file with --rig FILE" : "give the rig of the campaign with --rig " + printable_utf8(there->rig)) +
+                    ": another rig holds another sensor; recordings of this sensor that were made elsewhere are given with --rig replay --record FILE");
   if (same_rig) {
     out.known = there->settings.has_value();
     bench.rig_options = there->settings.value_or(Settings{});
@@ -122,6 +131,8 @@ Result<BenchToGoOn> bench_to_go_on(const std::filesystem::path& campaign, const 
   if (!same_rig) return out;
   FORCEGATE_TRY(const std::vector<std::string> differs, differences(*there, bench));
   if (differs.empty()) return out;
+  if (differs.front().starts_with("bench "))
+    return fail(ErrorCode::usage, "the campaign was recorded otherwise: " + join(differs, "; "), campaign.string(), "give the bench file of the bench that recorded it with --rig FILE");
   return fail(ErrorCode::usage, "the campaign was recorded otherwise: " + join(differs, "; "), campaign.string(),
               "leave --specimen, --seed and --rig-option out: what its campaign.json says is taken");
 }

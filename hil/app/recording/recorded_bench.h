@@ -15,6 +15,7 @@ namespace forcegate {
 
 struct RecordedBench {
   std::string rig;                                             ///< without its version
+  std::optional<std::string> rig_id;                           ///< of a bench
   std::optional<std::string> specimen;
   std::optional<std::uint64_t> seed, session;
   std::optional<double> rate_Hz, rig_rate_Hz;
@@ -41,7 +42,8 @@ struct BenchToGoOn {
   bool known = false;  ///< the campaign tells every option of the rig
 };
 
-/// What is not given is as the description of the campaign tells it, where this rig played it. Errors: usage, where what is given contradicts that.
+/// What is not given is as the description of the campaign tells it, where this rig played it. Errors: usage, where what is given contradicts that: another rig
+/// plays another sensor, but replay may bring recordings of the same one.
 Result<BenchToGoOn> bench_to_go_on(const std::filesystem::path& campaign, const GivenBench& given);
 
 std::string there_and_asked(const std::string& what, const std::string& there, const std::string& asked);

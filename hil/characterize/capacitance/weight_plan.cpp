@@ -7,6 +7,7 @@
 
 #include "hil/base/read_file.h"
 #include "hil/base/text.h"
+#include "hil/model/impedance/bode_fit.h"
 #include "hil/rig/config.h"
 
 namespace forcegate::characterize {
@@ -39,6 +40,16 @@ Result<void> read_source(const ConfigNode& node, WeightPlan& p) {
   return r.finish();
 }
 
+// Frequencies of the sweep that the fit takes.
+std::size_t points_of_fit(const WeightPlan& p) {
+  std::size_t out = 0;
+  for (std::size_t i = 0; i < p.sweep_points; ++i) {
+    const double share = static_cast<double>(i) / static_cast<double>(p.sweep_points - 1);
+    if (p.sweep_low_Hz * std::pow(p.sweep_high_Hz / p.sweep_low_Hz, share) <= impedance::kTopOfBodeFit_Hz) ++out;
+  }
+  return out;
+}
+
 Result<void> read_sweep(const ConfigNode& node, WeightPlan& p) {
   ConfigReader r(node, "[sweep]", kGuide);
   r.number("amplitude_V", p.sweep_V, 1e-3, 50.0);
@@ -59,6 +70,10 @@ Result<void> read_sweep(const ConfigNode& node, WeightPlan& p) {
   }
   if (r.good() && !(p.sweep_high_Hz > 10.0 * p.sweep_low_Hz))
     r.complain(node, "the sweep must span more than a decade");
+  if (const std::size_t fitted = r.good() ? points_of_fit(p) : impedance::kFewestOfBodeFit; fitted < impedance::kFewestOfBodeFit)
+    r.complain(node, fmt::format("{} of the {} points of the sweep are at most {} Hz, and the Bode fit of R_s and C_s needs {}", fitted, p.sweep_points,
+                                 shortest(impedance::kTopOfBodeFit_Hz), impedance::kFewestOfBodeFit),
+               "give more points, or a lower high_Hz");
   return r.finish();
 }
 

@@ -34,9 +34,11 @@ Result<int> run(const Invocation& in) {
   request.scale = in.text("scale");
   FORCEGATE_TRY(request.alpha, in.number("alpha", 1e-6, 0.5));
   FORCEGATE_TRY(request.seed, in.seed("seed"));
-  FORCEGATE_TRY(const std::vector<ParameterAnswer> answers, laws(request));
+  std::vector<std::string> notes;
+  FORCEGATE_TRY(const std::vector<ParameterAnswer> answers, laws(request, &notes));
   in.console().print(laws_text(answers));
-  in.console().print_json(laws_json(answers));
+  in.console().notes(notes);
+  in.console().print_json(laws_json(answers, notes));
   in.console().next(line_after(in, answers));
   return kExitSuccess;
 }

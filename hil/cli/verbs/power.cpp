@@ -28,6 +28,7 @@ Result<int> run(const Invocation& in) {
   request.threads = static_cast<unsigned>(threads);
   request.quick = in.flag("quick");
   request.only = in.texts("mutant");
+  if (in.given("markdown")) request.markdown = in.text("markdown");
   Console& console = in.console();
   const auto result = measure_power(request, console.progress_callback(), &in.interrupt_flag());
   console.end_progress();
@@ -42,7 +43,9 @@ Result<int> run(const Invocation& in) {
   if (in.given("out")) FORCEGATE_CHECK_OK(write_file_atomically(in.text("out"), power_json(*result) + "\n"));
   console.print(power_text(*result));
   console.print_json(power_json(*result));
-  console.print(result->good()
+  console.print(result->good() && result->nothing_played()
+                   ? "no mutant was played: nothing is said of what slips through (--mutant-seeds 1 plays each once)"
+               : result->good()
                    ? "the gate sees what it claims to see; docs/power.md explains the table"
                : result->nothing_built() ? "no mutant is built in " + request.firmware.string() + ": nothing was gated (ninja mutants)"
                    : "write the check that sees a survivor, or say in its 'note:' why there is none");

@@ -13,7 +13,6 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kDeparture = 0.2;  // tan by eq. (9) over tan measured, minus 1
 constexpr double kNear = 0.6;       // in ln f: readings about the crossing that its cubic is fitted to
-constexpr std::size_t kFewest = 8;
 
 struct LineFit {
   Eigen::VectorXd beta;
@@ -99,9 +98,9 @@ Result<BodeFit> fit_bode(std::span<const RcReading> sweep, double common_u_rel, 
     if (r.f_Hz > 0.0 && r.f_Hz <= top_Hz && !r.saturated && r.u_conductance_S > 0.0 &&
         r.u_capacitance_F > 0.0)
       used.push_back(&r);
-  if (used.size() < kFewest)
+  if (used.size() < kFewestOfBodeFit)
     return fail(ErrorCode::parse,
-                fmt::format("a Bode fit needs {} sound readings up to {} Hz, there are {}", kFewest, top_Hz,
+                fmt::format("a Bode fit needs {} sound readings up to {} Hz, there are {}", kFewestOfBodeFit, top_Hz,
                             used.size()),
                 {}, "sweep more frequencies, or lower the amplitude so that the amplifier does not saturate");
   const auto n = static_cast<Eigen::Index>(used.size());

@@ -25,10 +25,13 @@ struct BodeFit {
   bool departs(const RcReading& reading) const;
 };
 
+inline constexpr std::size_t kFewestOfBodeFit = 8;  ///< sound readings up to its top_Hz
+inline constexpr double kTopOfBodeFit_Hz = 6000.0;
+
 /// Weighted least squares of G(f) = 1/R_s + g2 f^2 + g4 f^4 and C(f) = C_s - c2 f^2 - c4 f^4 over the readings up to
 /// `top_Hz`: any causal loss that sets in above begins with these powers, so R_s and C_s are those of eq. (9) without its
 /// bias. `common_u_rel`: what all readings share (R_g) and no fit averages out. Saturated readings are left out. Errors (parse): fewer than 8 readings up to top_Hz, or R_s not positive.
-Result<BodeFit> fit_bode(std::span<const RcReading> sweep, double common_u_rel = 0.0, double top_Hz = 6000.0);
+Result<BodeFit> fit_bode(std::span<const RcReading> sweep, double common_u_rel = 0.0, double top_Hz = kTopOfBodeFit_Hz);
 
 /// Frequency to work at: among the sweep's, below `share` of (divergence - 2 u) of every fit, the one whose capacitance is
 /// known best (smallest relative uncertainty averaged over the sweeps). NaN when a fit has no divergence.

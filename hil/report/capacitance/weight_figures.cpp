@@ -110,8 +110,9 @@ class Pictures {
     if (with_law)
       caption = fmt::format(
           "Markers: measured. Lines: eq. (9) with R_s and C_s of the Bode fit. Beyond the divergence the phase saturates: "
-          "at {:.0f} N {:.1f}° at 10 kHz and {:.1f}° at 40 kHz, where eq. (9) says {:.1f}°.",
-          top.force_N, at(1e4), at(4e4), top.fit.phase_rad(4e4) * 180.0 / std::numbers::pi);
+          "at {:.0f} N {:.1f}° at 10 kHz and {:.1f}° at 40 kHz, {}.",
+          top.force_N, at(1e4), at(4e4),
+          top.fitted ? fmt::format("where eq. (9) says {:.1f}°", top.fit.phase_rad(4e4) * 180.0 / std::numbers::pi) : "where no fit says what eq. (9) does");
     else if (p.y_axis.scale == Scale::logarithmic)
       caption = fmt::format(
           "Resistance falls beyond the divergence: at {:.0f} N from {:.0f} kΩ at 1 kHz to {:.0f} kΩ at 40 kHz.",

@@ -204,8 +204,8 @@ class Pictures {
       Figure f("Force control with compensation, the last seconds", kWidth);
       Panel& p = f.panel(Axis{"Time", "s"}, Axis{"Force", "N"}, kLow);
       p.line(column(*c, "t_s"), column(*c, "ati_N"), {Role::firmware}, "Nano17");
-      p.line(column(*c, "t_s"), column(*c, "setpoint_N"), {Role::reference, Dash::dashed}, "reference");
-      add("fig11.svg", "Fig. 11", "Close-up of the end of the compensated record; black: reference value.",
+      p.line(column(*c, "t_s"), column(*c, "setpoint_N"), {Role::reference, Dash::dashed}, "set-point");
+      add("fig11.svg", "Fig. 11", "Close-up of the end of the compensated record; dashed: set-point.",
           std::move(f));
     }
   }

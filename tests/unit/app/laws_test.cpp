@@ -84,6 +84,49 @@ TEST_F(Laws, TheEquationIsOfWhatTheScaleMakesOfTheParameter) {
   EXPECT_THAT(laws_text(*laws(falls)), HasSubstr(" - ")) << "1/b falls with f";
 }
 
+TEST_F(Laws, ARowWithAGapIsLeftOutAndAColumnOfTextIsNoCovariateAndBothAreTold) {
+  LawsRequest request = table();
+  std::ifstream file(request.table);
+  std::string text, line;
+  for (int row = 0; std::getline(file, line); ++row) text += (row == 4 ? "," + line.substr(line.find(',') + 1) : line) + (row == 0 ? ",glue" : row % 2 == 0 ? ",soft" : ",hard") + "\n";
+  request.table = put("with_gap.csv", text);
+  std::vector<std::string> notes;
+  const auto answers = laws(request, &notes);
+  ASSERT_TRUE(answers) << answers.error().to_text();
+  EXPECT_EQ(answers->front().n, 17U);
+  EXPECT_THAT(notes, ::testing::Contains("a row with a gap is left out: line 5 (f)"));
+  EXPECT_THAT(notes, ::testing::Contains(HasSubstr("the column 'glue' holds text ('hard') and is no covariate")));
+  request.over = {"glue"};
+  const auto words = laws(request);
+  ASSERT_FALSE(words);
+  EXPECT_THAT(words.error().text, HasSubstr("the column 'glue' holds text"));
+}
+
+TEST_F(Laws, ManyGapsAreNamedWithTheFirstOfThem) {
+  LawsRequest request = table();
+  std::ifstream file(request.table);
+  std::string text, line;
+  for (int row = 0; std::getline(file, line); ++row) text += (row > 8 ? "," + line.substr(line.find(',') + 1) : line) + "\n";
+  request.table = put("with_gaps.csv", text);
+  const auto answers = laws(request);
+  ASSERT_FALSE(answers);
+  EXPECT_THAT(answers.error().text, HasSubstr("10 of 18 rows have a gap: the first one in f"));
+  EXPECT_THAT(answers.error().where, HasSubstr("with_gaps.csv:10"));
+  request.over = {"A", "m"};
+  EXPECT_TRUE(laws(request)) << "f is not asked for";
+}
+
+TEST_F(Laws, AParameterThatIsTheSameInEveryRecordIsConstant) {
+  LawsRequest request = table();
+  std::ifstream file(request.table);
+  std::string text, line;
+  for (int row = 0; std::getline(file, line); ++row) text += row == 0 ? line + "\n" : line.substr(0, line.rfind(',')) + ",0.005\n";
+  request.table = put("constant.csv", text);
+  const auto answers = laws(request);
+  ASSERT_TRUE(answers) << answers.error().to_text();
+  EXPECT_EQ(laws_text(*answers), "b is the same in every record, 0.005: there is nothing to explain\n");
+}
+
 TEST_F(Laws, WhatIsTheSameInEveryRecordMakesNoProduct) {
   LawsRequest request = table();
   std::ifstream file(request.table);

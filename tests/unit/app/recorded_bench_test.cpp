@@ -103,8 +103,36 @@ TEST_F(BenchToGoOnTest, RefusesWhatContradictsTheCampaign) {
   EXPECT_THAT(other.error().hint, HasSubstr("leave --specimen, --seed and --rig-option out"));
 }
 
-TEST_F(BenchToGoOnTest, IsTheGivenOneWhereAnotherRigOrNobodyKnownRecorded) {
+TEST_F(BenchToGoOnTest, RefusesAnotherRigThanThatOfTheCampaignButNotRecordings) {
   write(campaign());
+  GivenBench given;
+  given.rig = "another";
+  const auto other = bench_to_go_on(folder_, given);
+  ASSERT_FALSE(other);
+  EXPECT_EQ(other.error().code, ErrorCode::usage);
+  EXPECT_THAT(other.error().text, HasSubstr("rig set there, another asked"));
+  EXPECT_THAT(other.error().hint, HasSubstr("with --rig set: another rig holds another sensor"));
+  EXPECT_THAT(other.error().hint, HasSubstr("--rig replay --record FILE"));
+  given.rig = "replay";
+  EXPECT_TRUE(bench_to_go_on(folder_, given));
+}
+
+TEST_F(BenchToGoOnTest, RefusesAnotherBenchFileThanThatOfTheCampaign) {
+  Json by_bench = campaign();
+  by_bench["recorded_with"]["rig_id"] = "bench-7";
+  write(by_bench);
+  GivenBench given;
+  given.rig = "set";
+  const auto other = bench_to_go_on(folder_, given);
+  ASSERT_FALSE(other);
+  EXPECT_THAT(other.error().text, HasSubstr("bench bench-7 there, "));
+  EXPECT_THAT(other.error().hint, HasSubstr("give the bench file of the bench that recorded it"));
+}
+
+TEST_F(BenchToGoOnTest, IsTheGivenOneWhereNobodyKnownRecorded) {
+  Json unknown = campaign();
+  unknown.erase("recorded_with");
+  write(unknown);
   GivenBench given;
   given.rig = "another";
   given.seed = 7;

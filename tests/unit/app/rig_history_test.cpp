@@ -1,6 +1,7 @@
 #include "hil/app/bench/rig_history.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -75,6 +76,26 @@ TEST(ControlChart, a_quantity_that_never_varied_alarms_at_its_resolution_and_not
   EXPECT_TRUE(control_chart("slope", x, 1e-4).in_control);
   x.back() = 0.51;
   EXPECT_FALSE(control_chart("slope", x, 1e-4).in_control);
+}
+
+TEST(RigHistory, says_which_line_was_cut_off_and_keeps_visits_apart) {
+  const auto path = std::filesystem::path(::testing::TempDir()) / ("history_cut_" + std::to_string(::getpid()) + ".jsonl");
+  std::filesystem::remove(path);
+  ASSERT_TRUE(append_visit(path, {"2026-01-01", "r", "f", "ACCEPT", {{"noise", 0.1}}}));
+  std::ofstream(path, std::ios::app) << R"({"format":1,"date":"2026-01-0)";
+  const auto cut = read_history(path);
+  ASSERT_FALSE(cut);
+  EXPECT_NE(cut.error().text.find("the last line of the rig's history is cut off"), std::string::npos) << cut.error().to_text();
+  EXPECT_NE(cut.error().hint.find("remove line 2"), std::string::npos) << cut.error().to_text();
+  std::ofstream(path) << R"({"format":1,"date":"2026-01-01","values":{"noise":0.1}})";
+  ASSERT_TRUE(append_visit(path, {"2026-01-02", "r", "f", "ACCEPT", {{"noise", 0.1}}}));
+  const auto both = read_history(path);
+  ASSERT_TRUE(both) << both.error().to_text();
+  EXPECT_EQ(both->size(), 2U) << "the first line had no end";
+  std::filesystem::remove(path);
+  const auto device = read_history("/dev/full");
+  ASSERT_FALSE(device);
+  EXPECT_NE(device.error().text.find("this is none"), std::string::npos) << device.error().to_text();
 }
 
 TEST(RigHistory, keeps_every_visit_and_charts_only_those_of_the_same_rig) {

@@ -37,6 +37,8 @@ TEST(BenchFile, EveryMistakeNamesItsLineAndHelps) {
       {{{"force_max_N = 5.5", "force_max = 5.5"}}, "force_max"},
       {{{"adapter = \"ati_serial\"", "adapter = \"ati_serail\""}}, "ati_serail"},
       {{{"expires = \"2099-12-31\" }\nspring", "expires = \"soon\" }\nspring"}}, "no date"},
+      {{{"expires = \"2099-12-31\" }\nspring", "expires = \"2099-02-31\" }\nspring"}}, "no date"},
+      {{{"noise_N = 0.006", "noise_N = 0.6"}}, "'noise_N' in [reference] = 0.6 is more than a tenth of force_max_N in [limits], 5.5 N"},
       {{{"eccentricity_mm = 10.0", "eccentricity_mm = -1"}}, "out of range"},
       {{{"eccentricity_mm = 10.0", "eccentricity_mm = 10.0\ntheta_min_rad = -0.5"}}, "'theta_min_rad' in [geometry] = -0.5 is out of range"},
       {{{"eccentricity_mm = 10.0", "eccentricity_mm = 10.0\ntheta_max_rad = 3.3"}}, "'theta_max_rad' in [geometry] = 3.3 is out of range"},

@@ -262,6 +262,13 @@ TEST(ProgramMessages, RequestsAreOneLineAndTablesBecomeObjects) {
       R"({"id":7,"do":"open","now_s":0.5,"options":{"a":1,"b":"x\ny","c":[1.5,true]},"port":"/dev/x","exclusive":true})");
 }
 
+TEST(ProgramMessages, ANumberThatJsonDoesNotHaveIsNamedWithWhatToWrite) {
+  const auto reply = process::decode_reply(R"({"id": 3, "ok": true, "clock_s": 1.0, "rows": [[2.0, NaN, 0]]})");
+  ASSERT_FALSE(reply);
+  EXPECT_NE(reply.error().text.find("says NaN or Infinity, which is no JSON"), std::string::npos) << reply.error().text;
+  EXPECT_NE(reply.error().hint.find("write null"), std::string::npos);
+}
+
 TEST(DeviceClock, FindsOffsetAndSkewWhateverTheDelays) {
   DeviceClock clock;
   Rng rng(3, "device_clock");

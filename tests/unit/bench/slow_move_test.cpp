@@ -62,6 +62,43 @@ TEST(SlowMove, ThatMeetsAnOverloadSaysSo) {
   EXPECT_EQ(moved.error().text, "the reference is overloaded: the motor is stopped");
 }
 
+TEST(SlowMove, DoesNotBeginFarOutsideTheTravel) {
+  TwinBench b("twin.toml", {{"scale = 20860.756700940907", "scale = -20860.756700940907"}});
+  b.mount();
+  const auto moved = move_slowly(*b.session, {1.2, 0.5, 0.01, nullptr});
+  ASSERT_FALSE(moved);
+  EXPECT_EQ(moved.error().code, ErrorCode::device);
+  EXPECT_NE(moved.error().text.find("outside its travel of 0 to 3.142 rad: the motor is stopped"), std::string::npos) << moved.error().to_text();
+  EXPECT_NE(moved.error().hint.find("sign and scale of 'position'"), std::string::npos) << moved.error().to_text();
+}
+
+TEST(SlowMove, EndsAsSoonAsTheWheelTurnsAway) {
+  // an angle of 2 rad where the wheel begins, which falls as the wheel rises
+  TwinBench b("twin.toml", {{"scale = 20860.756700940907", "scale = -20860.756700940907, offset = 55145"}});
+  b.mount();
+  TwinBench::ok(b.session->open());
+  const auto moved = move_slowly(*b.session, {2.5, 0.5, 0.01, nullptr});
+  ASSERT_FALSE(moved);
+  EXPECT_EQ(moved.error().code, ErrorCode::device);
+  EXPECT_NE(moved.error().text.find("the wheel turns away from 2.50 rad: it stood at 2.00 rad"), std::string::npos) << moved.error().to_text();
+  EXPECT_NE(moved.error().hint.find("'velocity_set'"), std::string::npos) << moved.error().to_text();
+  const auto state = b.session->motor().read();
+  ASSERT_TRUE(state);
+  EXPECT_GT(state->theta_rad, 1.7) << "it has not gone far";
+}
+
+TEST(SlowMove, LeadsAWheelBackThatStandsALittleOutsideOfItsTravel) {
+  TwinBench b("twin.toml", {{"scale = 20860.756700940907", "scale = 20860.756700940907, offset = 15510"}});
+  b.mount();
+  TwinBench::ok(b.session->open());
+  const auto state = b.session->motor().read();
+  ASSERT_TRUE(state);
+  ASSERT_LT(state->theta_rad, -0.05);
+  const auto moved = move_slowly(*b.session, {0.5, 0.5, 0.01, nullptr});
+  ASSERT_TRUE(moved) << moved.error().to_text();
+  EXPECT_NEAR(moved->to_rad, 0.5, 0.01);
+}
+
 // Seconds of the bench from where a record begins to 2 rad, at 5 rad/s if nothing limits it.
 double seconds_to_2_rad(const Changes& changes) {
   TwinBench b("twin.toml", changes);

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "hil/characterize/capacitance/weight_summary.h"
+
 namespace forcegate::test {
 namespace {
 
@@ -54,6 +56,19 @@ TEST(WeightStudy, says_when_the_amplifier_saturates) {
   EXPECT_NE(study.error().text.find("saturates"), std::string::npos);
 }
 
+TEST(WeightStudy, what_no_sweep_gave_is_not_measured) {
+  WeightPlan plan = small_plan();
+  plan.sweep_V = 50.0;
+  const auto study = run(plan, 1);
+  ASSERT_TRUE(study.has_value()) << study.error().to_text();
+  bool told = false;
+  for (const WeightClaim& c : claims_of(*study, summarise(*study))) {
+    EXPECT_EQ(c.ours.find("nan"), std::string::npos) << c.subject << ": " << c.ours;
+    told = told || (c.ours == "not measured" && c.has_window && !c.inside);
+  }
+  EXPECT_TRUE(told);
+}
+
 TEST(WeightPlan, the_committed_one_is_good_and_mistakes_are_named_with_their_place) {
   const auto plan = read_weight_plan(FORCEGATE_SOURCE_DIR "/ci/plans/capacitance.toml");
   ASSERT_TRUE(plan.has_value()) << plan.error().to_text();
@@ -63,7 +78,8 @@ TEST(WeightPlan, the_committed_one_is_good_and_mistakes_are_named_with_their_pla
   const std::string head = "format = 1\nkind = \"capacitance\"\nname = \"x\"\n";
   for (const char* bad :
        {"[loading]\ntraning = 3\n", "[loading]\ntraining = 1\n", "[sweep]\nforces_N = [300.0]\n",
-        "[source]\ndc_V = 0.0\n", "[loading]\ntraining = 5\nmost_training = 4\n"}) {
+        "[source]\ndc_V = 0.0\n", "[loading]\ntraining = 5\nmost_training = 4\n",
+        "[sweep]\nlow_Hz = 100.0\nhigh_Hz = 100000.0\npoints = 12\n"}) {
     const auto read = parse_weight_plan(head + bad, "p.toml");
     ASSERT_FALSE(read.has_value()) << bad;
     EXPECT_NE(read.error().where.find("p.toml:"), std::string::npos) << bad;

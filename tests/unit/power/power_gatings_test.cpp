@@ -109,6 +109,26 @@ TEST(Power, the_smallest_defect_found_is_the_level_from_which_on_19_of_20_are_re
   EXPECT_NE(page.find("0.1: 20, 1: 10, 2: 19, 5: 20"), std::string::npos) << page;
 }
 
+TEST(Power, a_mutant_without_a_run_is_not_accepted) {
+  PowerResult r;
+  r.outcomes = {level_of(5, 20)};
+  EXPECT_FALSE(r.nothing_played());
+  r.outcomes.back().runs = r.outcomes.back().rejected = 0;
+  EXPECT_TRUE(r.nothing_played());
+  EXPECT_NE(power_text(r).find("not played"), std::string::npos) << power_text(r);
+  EXPECT_EQ(power_text(r).find("accepted 0x"), std::string::npos);
+}
+
+TEST(Power, the_page_names_the_command_that_makes_it_again) {
+  PowerResult r;
+  EXPECT_NE(power_markdown(r).find(" --markdown docs/power.md`;"), std::string::npos) << power_markdown(r);
+  r.request.only = {"gain_pct"};
+  r.request.quick = true;
+  r.request.firmware = "other/firmware";
+  r.request.markdown = "mine.md";
+  EXPECT_NE(power_markdown(r).find(" --mutant gain_pct --quick --firmware other/firmware --markdown mine.md`;"), std::string::npos) << power_markdown(r);
+}
+
 TEST(Power, what_was_never_played_is_no_good_gate) {
   PowerResult r;
   r.outcomes = {level_of(5, 20)};

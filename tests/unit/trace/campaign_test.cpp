@@ -117,6 +117,8 @@ TEST_F(ReadCampaign, NotesTheRecordingsOfItsFolderThatItDoesNotList) {
     return out;
   };
   EXPECT_EQ(about_others(folder_), "");
+  put("a.h5", "what the instruments said of a.csv");
+  EXPECT_EQ(about_others(folder_), "");
   put("b.csv", kCsv);
   put("notes.txt", "a note");
   EXPECT_EQ(about_others(folder_), "not read, since campaign.json does not list it: b.csv");
