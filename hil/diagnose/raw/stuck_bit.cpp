@@ -9,6 +9,7 @@
 #include "hil/base/plain_number.h"
 #include "hil/base/quantile.h"
 #include "hil/diagnose/raw/force_and_output.h"
+#include "hil/trace/static_line.h"
 
 namespace forcegate::diagnose {
 
@@ -92,6 +93,7 @@ struct Jumps {
   }
 };
 
+// U over F.
 struct Line {
   double slope = 0.0, level = 0.0;
 };
@@ -124,16 +126,15 @@ class Mending {
 
   // Of the output as it stands now, through some records.
   Line line(std::size_t first, std::size_t last) const {
-    double n = 0.0, F = 0.0, U = 0.0, FF = 0.0, FU = 0.0;
+    StaticLine sums;
     for (std::size_t k = first; k < last; ++k)
       for (std::size_t i = 0; i < lacks_[k].size(); ++i) {
-        const double f = samples_[k].F_N()[i], u = samples_[k].U_V()[i] + (lacks_[k][i] ? weight_V_ : 0.0);
-        if (std::isfinite(f + u)) n += 1.0, F += f, U += u, FF += f * f, FU += f * u;
+        const double F = samples_[k].F_N()[i], U = samples_[k].U_V()[i] + (lacks_[k][i] ? weight_V_ : 0.0);
+        if (std::isfinite(F + U)) sums.push(U, F);
       }
-    const double spread = n * FF - F * F;
-    if (!(spread > 0.0)) return {0.0, n > 0.0 ? U / n : 0.0};
-    const double slope = (n * FU - F * U) / spread;
-    return {slope, (U - slope * F) / n};
+    if (sums.n() == 0.0) return {};
+    const double slope = sums.variance_N2() > 0.0 ? sums.covariance_VN() / sums.variance_N2() : 0.0;
+    return {slope, sums.mean_V() - slope * sums.mean_N()};
   }
 
   // After a jump down, beside what the force does, the bit is missing, after one up it is there.
@@ -234,7 +235,7 @@ std::optional<StuckBit> mend_stuck_bit(Campaign& campaign, std::vector<std::stri
     const auto n = static_cast<double>(record.size());
     out.samples += n, out.off += off;
     out.mean_square_V2.push_back(weight_V * weight_V * off / n * (1.0 - off / n));
-      before_V2 += n * beside_line_V2(record.F_N(), record.U_V());
+    before_V2 += n * beside_line_V2(record.F_N(), record.U_V());
     after_V2 += n * beside_line_V2(record.F_N(), mended.back());
     lost_V2 += n * out.mean_square_V2.back();
   }
