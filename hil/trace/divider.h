@@ -21,8 +21,9 @@ struct Divider {
 /// "10k:5", "10000:1024:below": ohms (k and M are known), supply, where the sensor is ("above" where nothing is said). Errors: usage.
 Result<Divider> parse_divider(std::string_view word);
 
-/// The output of every record becomes the conductance, siemens (a little below 0 where noise takes an unloaded one there); without a finite one (U at the
-/// supply and beyond; below: U at 0) it is missing. A note of the campaign says so, and how many are missing. Errors (config): an output that is neither volts nor counts; (parse) more than a tenth of a record beyond 0 and V.
+/// The output of every record becomes the conductance, siemens (a little below 0 where noise takes an unloaded one there); without a finite one (U at
+/// the supply and beyond; below: U at 0) it is missing. A note of the campaign says so, and how many are missing. What the bench declares of its
+/// converter in volts is forgotten. Errors (config): an output that is neither volts nor counts; (parse) more than a tenth of a record beyond 0 and V.
 Result<void> read_divider(Campaign& campaign, const Divider& divider);
 
 }  // namespace forcegate

@@ -24,8 +24,8 @@ struct UnloadedZero {
 /// `fit`: gain and zero of every record beside all effects. With F at the lowest fiftieth of a record's rows and its zero e (both N), F + e is
 /// the load there as the output tells it. Found where four records and half of all come down to the lowest load, F + e scatters over them by less
 /// than three tenths of what e does (a tenth where every F is more than twice what e scatters by), the output itself by less than half of it, and e
-/// by 0.5 % of the range and three steps of the reference and more, without any one record too. A single recording is taken in a dozen stretches, each with a zero of its own beside one gain. Nothing where angle
-/// (by one zero for all records), command or capacitance tell of the force themselves.
+/// by 0.5 % of the range and three steps of the reference and more, without any one record too. A single recording is taken in a dozen stretches, each with
+/// a zero of its own beside one gain. Nothing where angle (by one zero for all records), command or capacitance tell of the force themselves.
 std::optional<UnloadedZero> unloaded_zero_of_reference(const Workspace& workspace, const MixedFit& fit);
 
 /// Effects of the sensor among the chosen, between the records or of one recording, that take part of such zeros for theirs: what moves without
