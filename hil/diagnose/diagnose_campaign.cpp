@@ -12,10 +12,10 @@
 #include "hil/diagnose/base_errors.h"
 #include "hil/diagnose/candidates/model_effects.h"
 #include "hil/diagnose/candidates/unnamed_dependences.h"
-#include "hil/diagnose/choose/late_output.h"
 #include "hil/diagnose/engine.h"
 #include "hil/diagnose/one_zero.h"
 #include "hil/diagnose/partly_told.h"
+#include "hil/diagnose/second_look.h"
 
 namespace forcegate::diagnose {
 
@@ -88,47 +88,7 @@ Result<Diagnosed> diagnose_as_recorded(CampaignRows rows, const EngineOptions& o
   return rows.input.single ? diagnose_parts(std::move(rows), options) : diagnose_rows(std::move(rows), options);
 }
 
-// The model's lag, and what is called for by it, with the output so much later than the force. Rig and command are compared with the force as it was
-// recorded: what they say stays.
-Result<Diagnosed> diagnose_late(CampaignRows rows, const EngineOptions& options, const LateOutput& late, Diagnosed as_recorded) {
-  constexpr double kSure = 0.9, kHelps = 0.8;  // of the error that is left without the delay
-  const EffectKind* kind = EffectRegistry::instance().find("delay");
-  delay_force(rows.input, late.delay_s);
-  rows.input.has_theta = rows.input.has_command = false;
-  for (RecordInput& r : rows.input.records)
-    for (std::vector<double>* channel : {&r.theta_rad, &r.sin_theta, &r.cos_theta, &r.late_cos_theta, &r.F_cmd_N}) channel->clear();
-  FORCEGATE_TRY(Diagnosed out, diagnose_as_recorded(std::move(rows), options));
-  const Diagnosis& before = as_recorded.diagnosis;
-  Diagnosis& answer = out.diagnosis;
-  if (kind == nullptr || !(answer.error_after < kHelps * before.error_after)) return as_recorded;
-  Finding delay = finding_about(*kind, out.workspace->output);
-  delay.form = kBehindLag;
-  delay.probability = kSure;
-  delay.parameters.push_back({"delay_s", late.delay_s, late.u_s, "s"});
-  delay.error_before = before.error_after;
-  delay.error_after = answer.error_after;
-  delay.evidence = fmt::format("{}; moved together with the model's lag ({:.2g} s beside it) and the bend of the sensor it leaves {:.2g} of what the best lag without a delay "
-                               "leaves (mean square), and no lag of another kind comes near",
-                               kind->summary, late.tau_s, late.share_left);
-  std::erase_if(answer.findings, [&](const Finding& f) { return f.effect == delay.effect; });
-  for (const Finding& f : before.findings)
-    if (f.of_reference()) answer.findings.push_back(f);
-  if (const auto of_rig = before.errors.find("F"); of_rig != before.errors.end()) answer.errors["F"] = of_rig->second;
-  std::ranges::stable_sort(answer.findings, std::greater<>{}, &Finding::probability);
-  answer.findings.insert(std::ranges::find_if(answer.findings, [&](const Finding& f) { return f.probability < kSure; }), std::move(delay));
-  if (answer.verdict == DiagnosisVerdict::unknown) answer.residual_unknown = true;
-  answer.verdict = DiagnosisVerdict::known;
-  answer.notes.push_back(fmt::format("the output is {:.3g} s late: errors and pictures of the others are with the force as much later", late.delay_s));
-  return out;
-}
-
-Result<Diagnosed> diagnose_all(CampaignRows rows, const EngineOptions& options) {
-  if (options.model_effects.empty()) return diagnose_as_recorded(std::move(rows), options);
-  CampaignRows kept = rows;
-  FORCEGATE_TRY(Diagnosed out, diagnose_as_recorded(std::move(rows), options));
-  const LateOutput late = late_output(*out.workspace, options.threads);
-  return late ? diagnose_late(std::move(kept), options, late, std::move(out)) : std::move(out);
-}
+Result<Diagnosed> diagnose_all(CampaignRows rows, const EngineOptions& options) { return look_again(std::move(rows), options, diagnose_as_recorded); }
 
 // An angle or a command shows itself whether the wheel goes on where the force rests.
 bool has_witness_of_drive(const CampaignInput& input) { return input.has_theta || input.has_command; }

@@ -78,8 +78,10 @@ enum class ShownIn { output, rig, command, samples };
 /// Form of a finding of a detector: no term of a model.
 inline constexpr const char* kOfSamples = "raw";
 
-/// Form of a delay that was found together with the model's lag: the output is to be set earlier, no term of a model is in series with a lag.
+/// Forms of a delay that was found together with the model's lag, or behind a bent curve: the output is to be set earlier, no term of a model is in
+/// series with these.
 inline constexpr const char* kBehindLag = "behind_lag";
+inline constexpr const char* kBehindCurve = "behind_curve";
 
 struct Finding {
   std::string effect;

@@ -32,6 +32,7 @@ struct EngineOptions {
 struct CampaignRows {
   CampaignInput input;
   std::vector<RecordHealth> health;  ///< per record; the parts of one recording share that of its samples
+  std::vector<Edges> edges;  ///< as Workspace::edges
   std::vector<HealthClaim> raw_claims;  ///< what the samples show before any fit
   HealthScales scales;
   std::string unit = "V";  ///< of the output's column

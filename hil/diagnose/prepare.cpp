@@ -209,6 +209,7 @@ void note_falling_output(CampaignRows& w) {
 
 struct PreparedRecord {
   RecordHealth health;
+  Edges edges;
   Result<RecordInput> input;
   std::vector<CutOut> cuts;
   std::string why_unusable;
@@ -225,6 +226,7 @@ std::vector<PreparedRecord> prepare_records(Campaign& campaign, const HealthScal
     CleanedSamples cleaned = clean_samples(record, scales, campaign.bench, options.pictures);
     out[k].health = std::move(cleaned.health);
     out[k].cuts = std::move(cleaned.cuts);
+    if (options.search) out[k].edges = edges_of(record, out[k].health, out[k].health.bad);
     out[k].input = take_record_input(record, out[k].health.bad, row_step_s, parts);
     out[k].why_unusable = why_unusable(record, out[k].health);
     record.trace = Trace{};
@@ -236,6 +238,7 @@ std::vector<PreparedRecord> prepare_records(Campaign& campaign, const HealthScal
 // Of every record by its name: it may be left out, and the order is that of the start times later.
 struct OfRecords {
   std::map<std::string, RecordHealth> health;
+  std::map<std::string, Edges> edges;
   std::map<std::string, std::string> why_unusable;
   std::vector<CutOut> cuts;
 };
@@ -246,6 +249,7 @@ Result<OfRecords> gather(std::vector<PreparedRecord> prepared, std::vector<Recor
     std::ranges::move(p.cuts, std::back_inserter(out.cuts));
     FORCEGATE_TRY(RecordInput input, std::move(p.input));
     out.health.emplace(input.name, std::move(p.health));
+    out.edges.emplace(input.name, std::move(p.edges));
     out.why_unusable.emplace(input.name, std::move(p.why_unusable));
     records.push_back(std::move(input));
   }
@@ -283,7 +287,10 @@ void find_decays(CampaignInput& input, const Campaign& campaign, const EngineOpt
 }
 
 void judge_samples(CampaignRows& w, OfRecords& of, const std::optional<StuckBit>& stuck) {
-  for (const RecordInput& input : w.input.records) w.health.push_back(of.health[input.name]);
+  for (const RecordInput& input : w.input.records) {
+    w.health.push_back(of.health[input.name]);
+    w.edges.push_back(std::move(of.edges[input.name]));
+  }
   w.input.U_step_V = common_step_V(w.health);
   w.raw_claims = health_claims(w.health, w.scales, w.input.bench);
   if (stuck && std::ranges::find(w.raw_claims, "adc_codes", &HealthClaim::effect) == w.raw_claims.end()) w.raw_claims.push_back(claim_of_stuck_bit(*stuck, w.scales.unit));
@@ -324,6 +331,7 @@ Result<std::unique_ptr<Workspace>> prepare(CampaignRows rows, const EngineOption
   w->zero_wanders = options.zero_wanders;
   w->input = std::move(rows.input);
   w->health = std::move(rows.health);
+  w->edges = std::move(rows.edges);
   w->raw_claims = std::move(rows.raw_claims);
   w->scales = rows.scales;
   w->output.unit = std::move(rows.unit);

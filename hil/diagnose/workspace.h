@@ -10,6 +10,7 @@
 
 #include "hil/diagnose/base/mixed_model.h"
 #include "hil/diagnose/diagnosis.h"
+#include "hil/diagnose/raw/edges.h"
 #include "hil/diagnose/raw/health_claims.h"
 #include "hil/model/base_law.h"
 #include "hil/model/effect.h"
@@ -100,6 +101,7 @@ struct LateDrive {
 struct Workspace {
   CampaignInput input;
   std::vector<RecordHealth> health;  ///< per record; the parts of one recording share that of its samples
+  std::vector<Edges> edges;  ///< per record; of the parts of one recording the first has them all
   std::vector<HealthClaim> raw_claims;  ///< what the samples show before any fit
   HealthScales scales;
   std::vector<std::unique_ptr<EffectKind>> user_kinds;  ///< effects of the user's own, beside the registry

@@ -57,7 +57,7 @@ std::string plan_that_settles(const Diagnosis& d) {
 
 WhatNext after_diagnosis(const Diagnosis& d, const Standing& at) {
   for (const Finding& f : d.findings)
-    if (f.claimed() && f.form == kBehindLag) return {Step::align, "", f.parameters.front().value};
+    if (f.claimed() && (f.form == kBehindLag || f.form == kBehindCurve)) return {Step::align, "", f.parameters.front().value};
   const Finding* first = worth_adding(d);
   if (first != nullptr && std::ranges::find(at.in_model, first->effect) == at.in_model.end())
     return {Step::add, first->effect};

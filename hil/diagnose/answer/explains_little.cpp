@@ -13,6 +13,7 @@ namespace forcegate::diagnose {
 namespace {
 
 constexpr double kMostLeft = 0.75;  // of the RMS: over half of the mean square
+constexpr double kHardlyLess = 0.93;
 
 struct LeftOver {
   double rms = 0.0;         // of the channel's scale
@@ -41,15 +42,15 @@ LeftOver left_over(const ResidualChannel& channel, const MixedFit& fit, const Mi
 }
 
 // The error of all, and that of the typical record that stood far above the noise: one record may have a fault of its own.
-bool leaves_most_of(const LeftOver& before, const LeftOver& after) {
-  if (!(after.rms > kMostLeft * before.rms)) return false;
+bool leaves_most_of(const LeftOver& before, const LeftOver& after, double most) {
+  if (!(after.rms > most * before.rms)) return false;
   double log_ratio = 0.0, n = 0.0;
   for (std::size_t k = 0; k < before.square.size(); ++k) {
     if (!(before.square[k] > kFarAboveNoise * kFarAboveNoise * before.noise[k])) continue;
     log_ratio += 0.5 * std::log(std::max(1e-9, after.square[k] / before.square[k]));
     n += 1.0;
   }
-  return !(log_ratio < n * std::log(kMostLeft));
+  return !(log_ratio < n * std::log(most));
 }
 
 double allowed_square(const LeftOver& left) {
@@ -101,12 +102,15 @@ bool withdraw_what_explains_little(const ResidualChannel& channel, const Selecti
   const bool remains = rest.beside_claims;
   const LeftOver before = left_over(channel, selection.base, selection.base, rest.of_hum, by),
                 after = left_over(channel, selection.claimed, selection.base, rest.of_hum, by);
+  // what takes hardly anything of what stands far above the noise is none of its names, whatever all its forms together take up
+  const bool hardly_helps = after.rms > kFarAboveNoise * allowed_rms(channel) && leaves_most_of(before, after, kHardlyLess);
+  if (hardly_helps && channel.signs_known && is_all_that_is_claimed(selection, findings) && withdraw_all(selection, findings)) return true;
   const double above = remains ? kFarAboveNoise : kInAnyCase;
   // what the samples themselves have named, such as spikes, is left here too
   const bool named = std::ranges::any_of(findings, [](const Finding& f) { return f.of_samples() && f.claimed(); });
   const bool far_above = after.rms > above * allowed_rms(channel) || (!named && after.log_factor > std::log(above));
   if (!far_above) return leaves_much_of(before, after) && channel.signs_known && is_all_that_is_claimed(selection, findings) && withdraw_all(selection, findings);
-  const bool leaves_most = leaves_most_of(before, after);
+  const bool leaves_most = leaves_most_of(before, after, kMostLeft);
   // of another machine the forms of the library are rough, and the right one leaves much as well
   const bool rough = !channel.signs_known;
   const double of_family = named ? kBesideRaw : kMostOfFamily;

@@ -16,7 +16,8 @@ namespace forcegate::diagnose {
 /// above the noise, or could take any course of their kind (a curve, a loop, a lag; not of another machine, of which the forms of the library
 /// are rough): something else is at work. With one of them all others within records go. Nearer to the noise, where any form takes up what is left,
 /// the claims themselves count: they go where they leave 1.3 to 2.5 times the noise and three tenths of the mean square beyond it (the typical record a fifth), unless bad samples, the
-/// reference or an effect between records may leave it, or the machine is another one. True when one was withdrawn.
+/// reference or an effect between records may leave it, or the machine is another one. So they do where they leave more than 0.93 of the RMS, of all
+/// records and of the typical one, far above the noise. True when one was withdrawn.
 bool withdraw_what_explains_little(const ResidualChannel& channel, const Selection& selection, const Remainder& rest, JudgedBy by,
                                    std::vector<Finding>& findings);
 

@@ -37,6 +37,12 @@ Candidate in_model(const char* effect, const std::string& form_name, const std::
   return c;
 }
 
+// A decay that small may be what a delay has left beside the wrong lag; which it is the second look tells.
+bool hardly_decays(const CampaignInput& input) {
+  constexpr double kSlight = 0.1;
+  return std::ranges::all_of(input.records, [](const RecordInput& r) { return std::ranges::all_of(r.decay, [](double D) { return D > 1.0 - kSlight; }); });
+}
+
 /// A lag and a curve that lags with it, on the force at a delay.
 struct LagWithCurve {
   std::string lag, curve;
@@ -105,6 +111,7 @@ class LagAndCurveModel {
   void build(const LagWithCurve& forms, const Point& p) {
     own_ = std::make_unique<Workspace>();
     own_->input = w_.input;
+    for (RecordInput& r : own_->input.records) std::ranges::fill(r.decay, 1.0);
     if (p.delay_s != 0.0) delay_force(own_->input, p.delay_s);
     own_->law = w_.law;
     own_->zero_wanders = w_.zero_wanders;
@@ -199,7 +206,7 @@ LateOutput late_output(const Workspace& w, unsigned threads) {
   constexpr double kOfLag = 0.4, kBeside = 0.7;   // of the lag alone: where the climb begins
   constexpr double kTypical_n = 0.8, kTypicalRatio = 1.2, kTypicalUnloaded = 1.0, kProfile = 0.1;
   const Candidate* guess = guessed_lag(w.output);
-  if (guess == nullptr || std::ranges::any_of(w.input.records, &RecordInput::dynamic)) return {};
+  if (guess == nullptr || !hardly_decays(w.input)) return {};
   LagAndCurveModel model(w, threads);
   const double tau_s = guess->shape.front();
   Point without, late;
@@ -214,9 +221,9 @@ LateOutput late_output(const Workspace& w, unsigned threads) {
     start.lag.front() *= kBeside;
     if (const Point p = model.best(of, start, Delay::moves); p.evidence > late.evidence) late = p, forms = of;
   };
-  // polynomials, which have no shape but the lag, tell whether it is worth asking the others
+  // banks, which have no shape but the lag, tell whether it is worth asking the others; so flexible a curve has no best delay
   LagWithCurve best;
-  for (const char* curve : {"polynomial_before_lag", "polynomial_after_lag"}) {
+  for (const char* curve : {"quartic_before_lag", "quartic_after_lag"}) {
     const Point p = model.best({kOnePole, curve}, {0.0, {tau_s}, {tau_s}}, Delay::stays);
     if (p.evidence > without.evidence) best = {kOnePole, curve};
     see(p);
@@ -226,6 +233,7 @@ LateOutput late_output(const Workspace& w, unsigned threads) {
   delayed(best, without);
   for (const char* lag : {"two_poles", "diffusive"}) see(model.best({lag, best.curve}, {0.0, {tau_s}, {tau_s}}, Delay::stays));
   if (late.evidence < without.evidence + kPlainly) return {};
+  late = {};
 
   const std::vector<std::pair<std::string, std::vector<double>>> curves = {{"power_before_lag", {tau_s, kTypical_n}},
                                                                            {"power_after_lag", {tau_s, kTypical_n}},

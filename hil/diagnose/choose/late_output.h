@@ -17,7 +17,7 @@ struct LateOutput {
   explicit operator bool() const { return delay_s > 0.0; }
 };
 
-/// Asks where the model has a guessed lag of one pole and no record decays; else, and below what two clocks may differ by, none.
+/// Asks where the model has a guessed lag of one pole and no record decays by more than a tenth; else, and below what two clocks may differ by, none.
 LateOutput late_output(const Workspace& workspace, unsigned threads);
 
 /// The force as a sensor has felt it whose output is `delay_s` late.

@@ -10,6 +10,7 @@
 #include "hil/diagnose/base/whole_recording.h"
 #include "hil/diagnose/between/unloaded_zero.h"
 #include "hil/diagnose/candidates/model_effects.h"
+#include "hil/diagnose/choose/at_the_edges.h"
 #include "hil/diagnose/choose/borne_out.h"
 #include "hil/diagnose/choose/probability.h"
 #include "hil/diagnose/choose/reference_latency.h"
@@ -129,6 +130,12 @@ void leave_to_those_that_foretell(Workspace& w, const Given& given, unsigned thr
   out.begun_anew.push_back(fmt::format("{} fit{} most rows as well, and not those where what they foretell differs", fmt::join(beaten, ", "), verb_for(beaten)));
 }
 
+void leave_to_those_at_the_edges(Workspace& w, const Given& given, unsigned threads, Search& out) {
+  const std::vector<std::string> beaten = beaten_at_the_edges(w, out.output, out.rules, threads);
+  if (beaten.empty() || !search_without(w, given, beaten, threads, out, [](const Selection& s) { return s.base.valid && !s.chosen.empty(); })) return;
+  out.begun_anew.push_back(fmt::format("{} fit{} the rows as well, and not the samples where the force turns most sharply", fmt::join(beaten, ", "), verb_for(beaten)));
+}
+
 void leave_to_zero_of_reference(Workspace& w, const Given& given, unsigned threads, Search& out) {
   constexpr int kMostTimes = 3;
   for (int time = 0; time < kMostTimes; ++time) {
@@ -169,6 +176,7 @@ Search search_channels(Workspace& w, const EngineOptions& options) {
   }
   if (std::ranges::any_of(w.raw_claims, [](const HealthClaim& c) { return c.effect == "clipping"; })) out.skip.emplace_back("clipping");
   out.output = select_borne_out(w, given, out.skip, out.rules, options.threads, out.suspicions);
+  leave_to_those_at_the_edges(w, given, options.threads, out);
   leave_to_those_that_foretell(w, given, options.threads, out);
   leave_to_zero_of_reference(w, given, options.threads, out);
   // against the law without the model's own effects: they describe the whole too

@@ -345,7 +345,7 @@ Result<Refit> refit_campaign(Campaign campaign, const EngineOptions& options, co
 }
 
 Result<Refit> refit_prepared_rows(const Workspace& w, const EngineOptions& options, const Model& start, const std::string& add) {
-  return refit_rows({w.input, w.health, w.raw_claims, w.scales, w.output.unit, w.judges}, w.zero_wanders ? options : with_one_zero(options), start, add);
+  return refit_rows({w.input, w.health, w.edges, w.raw_claims, w.scales, w.output.unit, w.judges}, w.zero_wanders ? options : with_one_zero(options), start, add);
 }
 
 }  // namespace forcegate::diagnose
