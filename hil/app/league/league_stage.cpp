@@ -43,7 +43,7 @@ Miss lost(const LeagueMatch& m, const hidden::TruthEffect& effect) {
     return at(MissStage::refused, claim ? claim->effect : "", why->second);
   for (std::size_t i = 0; i < answer.findings.size(); ++i)
     if (answer.findings[i].effect == effect.name)
-      return at(MissStage::outclaimed, claim ? claim->effect : "",
+      return at(claim != nullptr ? MissStage::outclaimed : MissStage::not_claimed, claim ? claim->effect : "",
                 fmt::format("place {} with probability {}", i + 1, probability_text(answer.findings[i].probability)));
   if (own == ranking.end())
     return has_detector(effect.name) ? at(MissStage::raw_health, claim ? claim->effect : "",
@@ -70,6 +70,7 @@ std::string_view to_string(MissStage stage) {
     case MissStage::evidence: return "too little evidence";
     case MissStage::outranked: return "outranked in the screening";
     case MissStage::refused: return "refused by the choice";
+    case MissStage::not_claimed: return "listed, not claimed";
     case MissStage::outclaimed: return "another claimed before it";
     case MissStage::false_claim: return "false claim";
     case MissStage::called_unknown: return "noise called unknown";

@@ -17,7 +17,8 @@ enum class MissStage {
   evidence,         ///< first in the screening, never claimed: too little evidence, or carried as a nuisance
   outranked,        ///< another family had more evidence in the first screening
   refused,          ///< the choice turned it down, with its reason
-  outclaimed,       ///< listed, but another effect was claimed before it
+  not_claimed,      ///< listed below a claim, as whatever else is
+  outclaimed,       ///< listed, but another effect was claimed
   false_claim,      ///< clean or foreign: a known effect was claimed
   called_unknown,   ///< clean: structure was seen in noise
   called_none       ///< foreign: nothing was seen
