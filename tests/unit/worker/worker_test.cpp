@@ -4,13 +4,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
 
-#include "hil/app/gate/bundle.h"
 #include "hil/app/gate/run_folder.h"
 #include "hil/gate/case_json.h"
 #include "hil/gate/decision.h"
@@ -282,28 +280,6 @@ TEST(RunFolder, an_older_run_is_gone_when_the_newer_one_is_there_and_not_before)
   EXPECT_TRUE(next->older_stays());
   ASSERT_TRUE(next->publish({}));
   EXPECT_TRUE(fs::exists(aside / "traces" / "a.h5"));
-}
-
-TEST(RunFolder, a_run_that_a_killed_one_left_aside_is_named_and_has_its_name_again) {
-  Folder f;
-  const fs::path run = f.root / "run", aside = f.root / "run.older-999999998";
-  ASSERT_TRUE(RunFolder::open(run)->publish({}));
-  fs::rename(run, aside);
-  fs::create_directories(f.root / "run.older-999999997");  // an earlier one
-  std::ofstream(f.root / "run.older-999999997" / "result.json") << "{}";
-  fs::last_write_time(f.root / "run.older-999999997" / "result.json", fs::file_time_type::clock::now() - std::chrono::hours(1));
-  EXPECT_EQ(run_put_aside(run), aside);
-  EXPECT_EQ(run_put_aside(run / ""), aside);
-  EXPECT_EQ(run_put_aside(f.root / "other"), fs::path());
-  for (const Error& e : {read_bundle(run).error(), read_run(run).error()}) EXPECT_NE(e.hint.find(aside.string()), std::string::npos) << e.hint;
-  {
-    auto interrupted = RunFolder::open(run);
-    ASSERT_TRUE(interrupted);
-    EXPECT_EQ(interrupted->older(), aside);
-    EXPECT_FALSE(fs::exists(run)) << "it must not be taken for this one";
-  }
-  EXPECT_TRUE(fs::exists(run / "result.json"));
-  EXPECT_FALSE(fs::exists(aside));
 }
 
 TEST(RunFolder, a_folder_of_somebodys_own_traces_is_no_run) {
