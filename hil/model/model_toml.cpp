@@ -78,9 +78,7 @@ std::vector<std::string> names_of(const std::vector<ParameterSpec>& specs) {
 }
 
 Result<ModelParameter> read_parameter(const toml::node& node, const std::string& name, const std::string& where) {
-  ModelParameter p;
-  p.name = name;
-  p.minimum = -1e300, p.maximum = 1e300;
+  ModelParameter p{.name = name, .unit = {}, .minimum = -1e300, .maximum = 1e300};
   const auto finite = [&]() -> Result<void> {
     if (std::isfinite(p.value)) return {};
     return fail(ErrorCode::config, fmt::format("{} = {} is no number", name, p.value), place(where, node), "write a finite value");
