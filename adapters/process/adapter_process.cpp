@@ -1,6 +1,9 @@
 #include "adapters/process/adapter_process.h"
 
+#include <fmt/format.h>
+
 #include <chrono>
+#include <optional>
 
 #include "hil/base/text.h"
 
@@ -114,12 +117,14 @@ Result<Reply> AdapterProcess::exchange(std::string_view verb, const Fields& fiel
     if (sent.error().code != ErrorCode::timeout) return gone();
     return fail(ErrorCode::timeout, "the adapter's program does not read its input", where());
   }
+  std::optional<std::uint64_t> other;  // id of an answer to nothing that was asked
   for (;;) {
     if (const std::size_t at = pending_.find('\n'); at != std::string::npos) {
       auto reply = decode_reply(std::string_view(pending_).substr(0, at));
       pending_.erase(0, at + 1);
       if (!reply) return bad(reply.error().text);
       if (reply->id != id) {
+        if (reply->id > id) other = reply->id;
         ++stale_;
         continue;
       }
@@ -132,6 +137,9 @@ Result<Reply> AdapterProcess::exchange(std::string_view verb, const Fields& fiel
       pending_.clear();
       return bad("the adapter's program says a line without end");
     }
+    if (Clock::now() >= end && other)
+      return fail(ErrorCode::timeout, fmt::format("the adapter's program answers '{}' under the id {}, and it was asked under {}", verb, *other, id), where(),
+                  "an answer repeats the id of its request (docs/adapters.md)");
     if (Clock::now() >= end)
       return fail(ErrorCode::timeout, "the adapter's program does not answer '" + std::string(verb) + "'",
                   where(), "look whether its instrument is on, or raise reply_timeout_ms");

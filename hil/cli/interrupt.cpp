@@ -3,6 +3,9 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <nlohmann/json.hpp>
+#include <string>
+
 namespace forcegate {
 
 std::atomic<bool> g_bar_on_terminal{false};
@@ -15,9 +18,16 @@ std::atomic<int> g_told_by{0};
 std::atomic<bool> g_tell_json{false};
 
 // A handler may write, and format nothing.
-constexpr char kText[] = "error: interrupted\n";
-constexpr char kJson[] =
-    "{\n  \"error\": {\n    \"code\": \"cancelled\",\n    \"exit_code\": 130,\n    \"text\": \"interrupted\",\n    \"where\": \"\",\n    \"help\": \"\"\n  }\n}\n";
+struct Farewell {
+  std::string text, json;
+};
+
+Farewell farewell(std::string_view help) {
+  const nlohmann::ordered_json error = {{"code", "cancelled"}, {"exit_code", 130}, {"text", "interrupted"}, {"where", ""}, {"help", help}};
+  return {"error: interrupted\n" + (help.empty() ? "" : "  help: " + std::string(help) + "\n"), nlohmann::ordered_json{{"error", error}}.dump(2) + "\n"};
+}
+
+std::atomic<const Farewell*> g_farewell{nullptr};
 
 static_assert(std::atomic<bool>::is_always_lock_free, "used in a signal handler");
 
@@ -27,8 +37,8 @@ void on_interrupt(int) {
     [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kEraseLine, sizeof kEraseLine - 1);
   }
   if (g_catching && !g_interrupted.exchange(true)) return;
-  if (!g_catching && g_told_by == ::getpid()) {
-    [[maybe_unused]] const auto told = g_tell_json ? ::write(STDOUT_FILENO, kJson, sizeof kJson - 1) : ::write(STDERR_FILENO, kText, sizeof kText - 1);
+  if (const Farewell* say = g_farewell; !g_catching && g_told_by == ::getpid() && say != nullptr) {
+    [[maybe_unused]] const auto told = g_tell_json ? ::write(STDOUT_FILENO, say->json.data(), say->json.size()) : ::write(STDERR_FILENO, say->text.data(), say->text.size());
   }
   ::_exit(130);
 }
@@ -49,8 +59,16 @@ void install_signal_handlers() {
 }
 
 void tell_of_interrupt(bool json) {
+  static const Farewell kPlain = farewell({});
+  g_farewell = &kPlain;
   g_tell_json = json;
   g_told_by = ::getpid();
+}
+
+void help_after_interrupt(std::string_view help) {
+  static Farewell say;
+  say = farewell(help);
+  g_farewell = &say;
 }
 
 void json_is_told() { g_tell_json = false; }

@@ -2,6 +2,7 @@
 // Ctrl-C: ends the program with code 130 after removing the progress bar, until a verb asks to be told instead.
 
 #include <atomic>
+#include <string_view>
 
 namespace forcegate {
 
@@ -17,6 +18,9 @@ const std::atomic<bool>& catch_interrupt();
 /// Who is ended by the first of them is told so, as the error of any other end: for `json` by one object on stdout. Only this process: a
 /// child gets the same Ctrl-C.
 void tell_of_interrupt(bool json);
+
+/// What that end says beside it, as of a journal that holds what is done. Before the work begins.
+void help_after_interrupt(std::string_view help);
 
 /// An object stands on stdout already.
 void json_is_told();

@@ -273,7 +273,8 @@ Result<void> read_limits(const ConfigNode& node, PlanLimits& l) {
   r.number("learning_s", l.learning_s, 0.0, kDay_s);
   if (r.number("lag_s", l.lag_s, 0.0, 60.0) && l.lag_s == 0.0)
     r.complain(*node.find("lag_s"), "lag_s = 0 passes no firmware: every distance in time has an uncertainty", "give the longest one, in s (0.05 where nothing is said)");
-  r.number("output_max_N", l.output_max_N, 0.0, 1e6);
+  if (r.number("output_max_N", l.output_max_N, 0.0, 1e6) && l.output_max_N == 0.0)
+    r.complain(*node.find("output_max_N"), "output_max_N = 0 passes no firmware: every force lies above it", "give the largest output that is no fault, in N; leave it out for the one that is meant for the panel's sensors");
   r.number("spike_max_N", l.spike_max_N, 0.0, 1e6);
   r.number("excursion_max_N", l.excursion_max_N, 0.0, 1e6);
   r.number("hold_pct", l.hold_pct, 0.0, 1000.0);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-
 #include <toml++/toml.h>
 
 #include "hil/base/read_file.h"
@@ -79,10 +78,7 @@ std::vector<std::string> names_of(const std::vector<ParameterSpec>& specs) {
 }
 
 Result<ModelParameter> read_parameter(const toml::node& node, const std::string& name, const std::string& where) {
-  ModelParameter p;
-  p.name = name;
-  p.minimum = -1e300;
-  p.maximum = 1e300;
+  ModelParameter p{.name = name, .unit = {}, .minimum = -1e300, .maximum = 1e300};
   const auto finite = [&]() -> Result<void> {
     if (std::isfinite(p.value)) return {};
     return fail(ErrorCode::config, fmt::format("{} = {} is no number", name, p.value), place(where, node), "write a finite value");
@@ -93,6 +89,8 @@ Result<ModelParameter> read_parameter(const toml::node& node, const std::string&
     return p;
   }
   const toml::table* table = node.as_table();
+  if (const toml::node* value = table != nullptr ? (*table)["value"].node() : &node; value != nullptr && value->is_string())
+    return fail(ErrorCode::config, fmt::format("the value of {} is a text, \"{}\"", name, printable_utf8(value->value_or(std::string()))), place(where, *value), "write the number without quotes");
   if (table == nullptr || !(*table)["value"].value<double>())
     return fail(ErrorCode::config, "parameter " + name + " has no value", place(where, node),
                 "write name = { value = 0.1, unit = \"N\" }");
@@ -107,6 +105,8 @@ Result<ModelParameter> read_parameter(const toml::node& node, const std::string&
   FORCEGATE_TRY(p.minimum, value_of(*table, "min", -1e300, where));
   FORCEGATE_TRY(p.maximum, value_of(*table, "max", 1e300, where));
   FORCEGATE_TRY(p.neutral, value_of(*table, "neutral", 0.0, where));
+  if (p.minimum > p.maximum)
+    return fail(ErrorCode::config, fmt::format("the bounds of {} are reversed: min = {} is above max = {}", name, p.minimum, p.maximum), place(where, *(*table)["min"].node()), "exchange the two");
   if (!(p.value >= p.minimum && p.value <= p.maximum))  // a bound may be nan
     return fail(ErrorCode::config, fmt::format("{} = {} lies outside [{}, {}]", name, p.value, p.minimum, p.maximum),
                 place(where, node), "change the value or its bounds");

@@ -1,5 +1,7 @@
 #include "hil/model/user_equation.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 #include <muParser.h>
@@ -81,7 +83,8 @@ Result<std::unique_ptr<UserEquation>> UserEquation::make(const UserEffect& effec
       prepare(p.derivative[k], now);
     }
   } catch (const mu::Parser::exception_type& error) {
-    const std::string equation = effect.name + ": " + now;
+    constexpr std::size_t kShown = 120;
+    const std::string equation = effect.name + ": " + (now.size() > kShown ? fmt::format("{}... ({} characters)", now.substr(0, kShown), now.size()) : now);
     const bool from_file = number < effect.places.size();
     return fail(ErrorCode::config, "the equation cannot be read: " + error.GetMsg() + (from_file ? " (" + equation + ")" : ""),
                 from_file ? effect.places[number] : equation,

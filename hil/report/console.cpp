@@ -78,7 +78,7 @@ std::string render_console(const RunResult& result, const ConsoleView& view) {
   out += "  rig " + one_line(result.rig.name) + " " + one_line(result.rig.version) + dot + "plan " +
          one_line(result.plan_name) + dot + "calibration " + calibration_levels(result) + dot + "seed " +
          std::to_string(result.seed) + "\n";
-  out += "  " + case_counts(result) + dot + std::to_string(judged_rows(result).size()) + " checks\n";
+  out += "  " + record_counts(result) + dot + std::to_string(judged_rows(result).size()) + " checks\n";
 
   const std::vector<JudgedRow> rows = rows_to_look_at(result);
   const std::size_t shown = std::min(rows.size(), static_cast<std::size_t>(std::max(0, view.max_rows)));

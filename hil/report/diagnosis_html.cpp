@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "hil/base/plain_number.h"
 #include "hil/base/text.h"
@@ -204,6 +205,9 @@ std::string whole_percent(double share) {
   return fmt::format("{:.0f}", std::round(100.0 * share) + 0.0);  // never "-0"
 }
 
+// What is rounded to nothing has no sign.
+std::string tenths(double value) { return figures::typographic_minus(fmt::format("{:.1f}", std::round(10.0 * value) / 10.0 + 0.0)); }
+
 std::string ranking(const Diagnosis& d) {
   if (d.ranking.empty()) return {};
   std::string out = "<section id=\"ranking\"><h2>Ranking</h2>\n<p>" + escape(chance_sentence(d)) + "</p>\n" +
@@ -214,8 +218,7 @@ std::string ranking(const Diagnosis& d) {
   for (const RankedEffect& r : d.ranking)
     out += "<tr>" + cell(escape(r.effect) + (r.form.empty() ? "" : "<small>" + escape(r.form) + "</small>")) +
            cell(escape(r.side)) + cell(probability_text(r.probability), true) +
-           cell(figures::typographic_minus(fmt::format("{:.1f}", r.score)), true) +
-           cell(figures::typographic_minus(fmt::format("{:.1f}", r.null_score)), true) +
+           cell(tenths(r.score), true) + cell(tenths(r.null_score), true) +
            cell(whole_percent(r.alone), true) + cell(whole_percent(r.unique), true) + cell(escape(r.note)) + "</tr>\n";
   return out + std::string(kTableEnd) + "</section>\n";
 }
@@ -245,7 +248,11 @@ std::string records(const Diagnosis& d) {
            cell(display(std::round(100.0 * r.explainable), 3), true) + "</tr>\n";
   out += kTableEnd;
   if (!d.overlays.empty()) {
-    out += "<details><summary>Measured and modelled output of the records</summary><div class=\"figs\">";
+    std::set<std::string> records;
+    for (const EvidenceSeries& series : d.overlays) records.insert(series.record);
+    const bool some = records.size() < d.records.size() || records.size() > kMostOverlays;
+    out += "<details><summary>Measured and modelled output of " + (some ? fmt::format("{} of {} records", std::min(records.size(), kMostOverlays), d.records.size()) : "the records") +
+           "</summary><div class=\"figs\">";
     std::size_t drawn = 0;
     for (std::size_t i = 0; i < d.overlays.size() && drawn++ < kMostOverlays; ++i) {
       const EvidenceSeries& whole = d.overlays[i];

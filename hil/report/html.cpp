@@ -38,7 +38,7 @@ std::string header(const RunResult& r) {
   fact("plan", escape(r.plan_name));
   fact("calibration", calibration_levels(r));
   fact("seed", std::to_string(r.seed));
-  fact("result", case_counts(r) + ", " + std::to_string(judged_rows(r).size()) + " checks");
+  fact("result", record_counts(r) + ", " + std::to_string(judged_rows(r).size()) + " checks");
   return out +
          "</ul><nav aria-label=\"Sections\"><a href=\"#look\">To look at</a><a href=\"#run\">Whole run</a>"
          "<a href=\"#cases\">Cases</a><a href=\"#reproduce\">Reproduce</a></nav></div></header>\n";

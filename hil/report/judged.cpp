@@ -88,8 +88,8 @@ std::map<Verdict, int> count_cases(const RunResult& result) {
   return counts;
 }
 
-std::string case_counts(const RunResult& result) {
-  std::string out = std::to_string(result.cases.size()) + (result.cases.size() == 1 ? " case" : " cases");
+std::string record_counts(const RunResult& result) {
+  std::string out = std::to_string(result.cases.size()) + (result.cases.size() == 1 ? " record" : " records");
   std::string separator = ": ";
   for (const auto& [verdict, n] : count_cases(result)) {
     out += separator + std::to_string(n) + " " + std::string(word(verdict));

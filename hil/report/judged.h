@@ -32,8 +32,8 @@ std::vector<JudgedRow> rows_to_look_at(const RunResult& result);
 /// Worst verdict of the required checks; not_run when there is none.
 Verdict case_verdict(const CaseResult& result);
 std::map<Verdict, int> count_cases(const RunResult& result);
-/// "70 cases: 68 pass, 1 fail, 1 inconclusive".
-std::string case_counts(const RunResult& result);
+/// "70 records: 68 pass, 1 fail, 1 inconclusive".
+std::string record_counts(const RunResult& result);
 
 std::string_view symbol(Verdict verdict, Glyphs glyphs);
 std::string_view symbol(DecisionKind kind, Glyphs glyphs);

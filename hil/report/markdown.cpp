@@ -71,7 +71,7 @@ std::string render(const RunResult& result) {
   if (d.kind != DecisionKind::accept)
     if (const std::string who = who_must_act(d.blame); !who.empty())
       out += "To act: **" + who + "**" + (d.safety_stop ? " (safety stop)" : "") + "\n\n";
-  out += case_counts(result) + ", " + std::to_string(judged_rows(result).size()) + " checks. Firmware " +
+  out += record_counts(result) + ", " + std::to_string(judged_rows(result).size()) + " checks. Firmware " +
          code(result.firmware_path) + " on " + plain(result.firmware.board) + ", rig " +
          plain(result.rig.name) + " " + plain(result.rig.version) + ", plan " + plain(result.plan_name) +
          ", calibration " + calibration_levels(result) + ".\n\n";

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <span>
 #include <sstream>
 #include <utility>
@@ -26,6 +28,8 @@ const std::vector<std::string> kCampaignKeys = {"campaign", "sensor", "bench", "
 const std::vector<std::string> kBenchKeys = {"spring_N_per_mm", "law", "voltage_range_V", "force_range_N", "reference_resolution_N", "reference_noise_N", "reference_lowpass_Hz", "adc_bits"};
 const std::vector<std::string> kRecordKeys = {"file", "kind", "role", "fs_Hz", "start_s", "rest_before_s", "excitation_start_s", "dynamic", "f_min_Hz", "A_N", "m_N", "drive_V", "mounting",
                                               "eccentricity_mm", "preload_mm", "temp_C", "temperature_C", "humidity_pct", "rh_pct", "RH_pct"};
+
+constexpr const char* kLeaveOut = "leave it out when it is not known";
 
 /// Text of campaign.json with what is needed to say where something stands in it.
 class Source {
@@ -101,7 +105,7 @@ class Members {
       return wrong(key, "must be two numbers, [lowest, highest]");
     low = (*it)[0].get<double>();
     high = (*it)[1].get<double>();
-    if (!(low < high)) return wrong(key, "must ascend");
+    if (!(low < high)) return wrong(key, "must ascend", "write the lower end first, [0, 10]");
     return {};
   }
   Unexpected wrong(const char* key, const std::string& what, std::string hint = {}) const {
@@ -205,9 +209,9 @@ Result<Record> facts_of(const Json& object, const Source& source, const std::str
   FORCEGATE_CHECK_OK(m.flag("dynamic", record.dynamic));
   FORCEGATE_CHECK_OK(m.label("mounting", record.mounting));
   for (const auto& [key, value] : {std::pair{"fs_Hz", record.rate_Hz}, std::pair{"f_min_Hz", record.f_min_Hz}})
-    if (value && !(*value > 0.0)) return m.wrong(key, "must be above 0");
+    if (value && !(*value > 0.0)) return m.wrong(key, "must be above 0", kLeaveOut);
   for (const auto& [key, value] : {std::pair{"rest_before_s", record.rest_before_s}, std::pair{"A_N", record.A_N}})
-    if (value && *value < 0.0) return m.wrong(key, "must not be negative");
+    if (value && *value < 0.0) return m.wrong(key, "must not be negative", kLeaveOut);
   std::string role;
   FORCEGATE_CHECK_OK(m.text("role", role));
   if (!role.empty()) {
@@ -232,6 +236,40 @@ Result<DescribedRecord> record_of(const Json& object, const Source& source, cons
   for (const auto& [key, text] : members) words += key + " " + text + "; ";
   out.air = air_in_words(words);
   return out;
+}
+
+// JSON keeps the last of two members of one name and says nothing.
+Json::parser_callback_t keys_given_twice(std::vector<std::string>& twice) {
+  auto objects = std::make_shared<std::vector<std::set<std::string>>>();
+  return [objects, &twice](int, Json::parse_event_t event, Json& parsed) {
+    if (event == Json::parse_event_t::object_start) objects->emplace_back();
+    else if (event == Json::parse_event_t::object_end) objects->pop_back();
+    else if (event == Json::parse_event_t::key && !objects->back().insert(parsed.get<std::string>()).second) twice.push_back(printable_utf8(parsed.get<std::string>()));
+    return true;
+  };
+}
+
+// Values of the right type that no bench has: they are read, and whoever wrote them hears of it.
+void note_unlikely(const Record& r, std::vector<std::string>& notes) {
+  constexpr double kMost_V = 1e3, kMost_mm = 1e4, kMost_s = 1e8;  // three years
+  const auto note = [&](const char* key, const std::optional<double>& value, double least, double most, const char* unit) {
+    if (value && !(*value >= least && *value <= most))
+      notes.push_back(fmt::format("campaign.json gives {} {} = {:.4g} {}, which no bench has: check sign and unit", r.name, key, *value, unit));
+  };
+  note("drive_V", r.drive_V, 0.0, kMost_V, "V");
+  note("excitation_start_s", r.excitation_start_s, -kMost_s, kMost_s, "s");
+  note("rest_before_s", r.rest_before_s, 0.0, kMost_s, "s");
+  note("preload_mm", r.preload_mm, -kMost_mm, kMost_mm, "mm");
+  note("eccentricity_mm", r.eccentricity_mm, -kMost_mm, kMost_mm, "mm");
+}
+
+// What `forcegate record` was to record and has not.
+void note_cut_short(const Json& campaign, std::size_t records, std::vector<std::string>& notes) {
+  const auto with = campaign.find("recorded_with");
+  const auto planned = with != campaign.end() && with->is_object() ? with->value("planned_records", Json()) : Json();
+  if (planned.is_number_unsigned() && planned.get<std::size_t>() > records)
+    notes.push_back(fmt::format("the recording was cut short: {} of the {} records that were planned {} there; the same forcegate record with --continue makes the others", records,
+                                planned.get<std::size_t>(), records == 1 ? "is" : "are"));
 }
 
 // Stamps that every record has stand in for start times that none has.
@@ -293,8 +331,9 @@ Result<CampaignDescription> read_description(const fs::path& file) {
   const Source source(file, std::move(buffer).str());
 
   Json json;
+  std::vector<std::string> twice;
   try {
-    json = Json::parse(source.text(), nullptr, true, true);
+    json = Json::parse(source.text(), keys_given_twice(twice), true, true);
   } catch (const Json::parse_error& e) {
     const std::string what = e.what();
     const std::size_t reason = what.find(": ", what.find("column"));
@@ -310,6 +349,7 @@ Result<CampaignDescription> read_description(const fs::path& file) {
                 "see docs/campaign.md");
 
   CampaignDescription out;
+  for (const std::string& key : twice) out.notes.push_back("campaign.json has the key \"" + key + "\" twice in one object: the last one counts");
   out.name = fs::absolute(file).parent_path().filename().string();
   const Members m(json, source, "");
   FORCEGATE_CHECK_OK(m.text("campaign", out.name));
@@ -328,8 +368,10 @@ Result<CampaignDescription> read_description(const fs::path& file) {
   for (std::size_t i = 0; i < records->size(); ++i) {
     FORCEGATE_TRY(DescribedRecord record, record_of((*records)[i], source, m, i + 1));
     note_mistyped((*records)[i], kRecordKeys, out.notes);
+    note_unlikely(record.facts, out.notes);
     out.records->push_back(std::move(record));
   }
+  note_cut_short(json, out.records->size(), out.notes);
   take_stamps(*out.records, out.notes);
   take_mountings(*out.records, out.notes);
   take_air(*out.records, out.notes);

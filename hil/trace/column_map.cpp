@@ -184,6 +184,8 @@ std::string column_map_advice(const Trace& trace, std::string_view name, std::st
   const auto header = [&](const Channel& c) { return written_header(c, headers); };
   const std::string wanted(name);
   for (const Channel& c : trace.channels)
+    if (const std::string meant = meant_but_for_capitals(header(c)); meant == header_of(name, unit)) return "--map " + shell_quoted(header(c) + "=" + meant);
+  for (const Channel& c : trace.channels)
     if (c.unit == unit && known_channel(c.name) == nullptr)
       return "--map " + shell_quoted(header(c) + "=" + wanted + "_" + c.unit);
   if (wanted == "F_ref")

@@ -165,6 +165,14 @@ ColumnMeaning meaning_of(std::string_view header) {
   return out;
 }
 
+std::string meant_but_for_capitals(std::string_view header) {
+  const std::string lower = ascii_lower(trim(header));
+  std::vector<std::string> names{"t_s", "t_ms", "t_us"};
+  for (const KnownChannel& channel : kKnownChannels) names.push_back(header_of(channel.name, channel.unit));
+  const auto meant = std::ranges::find_if(names, [&](const std::string& name) { return ascii_lower(name) == lower; });
+  return meant == names.end() || *meant == trim(header) ? std::string() : *meant;
+}
+
 std::string unknown_unit(std::string_view header) {
   const ColumnMeaning meaning = meaning_of(header);
   if (!meaning.unit.symbol.empty() && meaning.note.empty()) return {};

@@ -23,6 +23,9 @@ struct ColumnMeaning {
 /// which are taken to be in SI units (temperature in degree Celsius). "velocity_mm_s" is a velocity and no clock.
 ColumnMeaning meaning_of(std::string_view header);
 
+/// "U_V" of "u_v": the name that differs from a header in nothing but capitals, which make another unit of it; empty for most.
+std::string meant_but_for_capitals(std::string_view header);
+
 /// What stands where a unit stands in a header and is none known here: "widgets" of "Force (widgets)", "g" of "load_g". After an underscore,
 /// or as the whole header, only what is a unit somewhere; empty for most.
 std::string unknown_unit(std::string_view header);

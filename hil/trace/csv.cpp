@@ -79,7 +79,7 @@ Result<void> check_text_columns(const CsvTable& table, const std::string& where,
     if (!meaning.is_clock && known != "F_ref" && known != "U") continue;
     return fail(ErrorCode::parse, "column \"" + column.header + "\" holds \"" + column.cell + "\", which is no number",
                 where + ":" + std::to_string(column.line) + ":" + std::to_string(column.position),
-                meaning.is_clock && !column.hint.starts_with("the decimals") && !column.hint.starts_with(kWhichIsTheMonth) ? hint_for_clock(column.cell) : column.hint);
+                meaning.is_clock && !column.hint.starts_with("the decimals") && !column.hint.starts_with(kWhichIsTheMonth) && !column.hint.starts_with(kNoSuchTime) ? hint_for_clock(column.cell) : column.hint);
   }
   return {};
 }
@@ -210,17 +210,23 @@ void convert_units(CsvTable& table, const std::vector<ColumnMeaning>& meanings, 
   }
 }
 
+// 9999, -999: no measured value, but what loggers write where they have none.
+bool is_word_for_nothing(double v) {
+  const double size = std::fabs(v);
+  return size == 999.0 || size == 9999.0 || size == 99999.0 || size == 999999.0;
+}
+
 /// Lowest and highest sample, where more than a thousandth of some thousands lie beyond +-`limit`.
 std::optional<std::pair<double, double>> beyond(const Channel* channel, const char* unit, double limit) {
   if (channel == nullptr || channel->unit != unit) return std::nullopt;
   constexpr std::size_t kMost = 8192;
   const std::vector<double>& values = channel->value;
   std::size_t seen = 0, far = 0;
-  for (std::size_t i = 0; i < values.size(); i += values.size() / kMost + 1) ++seen, far += std::fabs(values[i]) > limit;
+  for (std::size_t i = 0; i < values.size(); i += values.size() / kMost + 1) ++seen, far += std::fabs(values[i]) > limit && !is_word_for_nothing(values[i]);
   if (far * 1000 <= seen) return std::nullopt;
   double low = HUGE_VAL, high = -HUGE_VAL;
   for (const double v : values)
-    if (!std::isnan(v)) low = std::min(low, v), high = std::max(high, v);
+    if (!std::isnan(v) && !is_word_for_nothing(v)) low = std::min(low, v), high = std::max(high, v);
   return std::pair{low, high};
 }
 
@@ -259,7 +265,7 @@ Result<TraceFile> trace_of_table(CsvTable table, const std::string& where, const
 
   Clock clock;
   if (clock_column < table.columns.size()) {
-    ClockSource source{where, table.columns[clock_column].header, {}, options.assumed_rate_Hz, table.columns[clock_column].dates, {}, {}};
+    ClockSource source{where, table.columns[clock_column].header, {}, options.assumed_rate_Hz, table.columns[clock_column].dates, table.columns[clock_column].zoned, {}, {}};
     for (std::size_t c = 0; c < table.columns.size(); ++c)
       if (c != clock_column) source.columns.push_back(&table.columns[c].value);
     source.changes_at = [&](std::size_t row) { return column_that_changes_at(table, row); };

@@ -127,7 +127,7 @@ Result<void> CsvParser::header(std::string_view line) {
   while (cells_.size() > 1 && trim(cells_.back()).empty()) cells_.pop_back(), ++trailing_;
   if (const std::size_t arrow = cells_[0].find(" -> "); arrow != std::string_view::npos && seconds_of_stamp(trim(cells_[0].substr(0, arrow))))
     return error("the lines begin with the stamps of a serial monitor, " + in_quotes(cells_[0].substr(0, arrow + 4)), 1,
-                 "switch them off there, or replace \" -> \" by " + separator_name() + " in every line and name the column Time");
+                 "switch them off there, or replace \" -> \" by " + separator_in_words(separator_) + " in every line and name the column Time");
   if (std::ranges::none_of(cells_, is_word))
     return error("the first line holds numbers, not column names", 1,
                  "put a line like t_s,F_ref_N,U_V before the first row");
@@ -140,7 +140,7 @@ Result<void> CsvParser::header(std::string_view line) {
   cut_cells(unit_labels_, '\t', cells_);  // LabVIEW's, above the header
   for (std::size_t c = 1; c < std::min(cells_.size(), table_.columns.size()); ++c)
     if (const std::string_view symbol = trim(cells_[c]); find_unit(symbol)) FORCEGATE_CHECK_OK(add_unit(table_.columns[c].header, symbol, 1));
-  if (separator_ != ',') table_.notes.push_back(std::string("the separator is ") + separator_name());
+  if (separator_ != ',') table_.notes.push_back(std::string("the separator is ") + separator_in_words(separator_));
   for (std::size_t a = 0; a < table_.columns.size(); ++a)
     for (std::size_t b = 0; b < a; ++b)
       if (!table_.columns[a].header.empty() && table_.columns[a].header == table_.columns[b].header)
@@ -152,11 +152,6 @@ Result<void> CsvParser::header(std::string_view line) {
   table_.header_line = line_;
   has_header_ = true;
   return {};
-}
-
-std::string CsvParser::separator_name() const {
-  return separator_ == ';' ? "a semicolon" : separator_ == '\t' ? "a tab" : separator_ == '|' ? "a bar"
-         : separator_ == ' ' ? "a blank" : "a comma";
 }
 
 bool CsvParser::says_no_unit(std::string_view symbol) { return symbol.empty() || symbol == "-" || symbol == "1"; }

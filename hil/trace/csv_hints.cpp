@@ -1,9 +1,11 @@
 #include "hil/trace/csv_hints.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "hil/base/text.h"
 #include "hil/trace/csv_cells.h"
+#include "hil/trace/date_time.h"
 
 namespace forcegate {
 namespace {
@@ -43,16 +45,52 @@ std::string without_thousands(std::string_view cell, char point) {
   return plain.erase(digit, std::min(first, units) - digit);
 }
 
+struct DateOfSlashes {
+  int first = 0, second = 0, year = 0;
+};
+
 /// "11/20/2026 10:00:00": numbers of one or two digits, of which one is a month, and a year.
-bool is_date_of_slashes(std::string_view cell) {
+std::optional<DateOfSlashes> date_of_slashes(std::string_view cell) {
+  DateOfSlashes date;
   std::size_t at = 0;
-  const auto number = [&](std::size_t least, std::size_t most) {
+  const auto number = [&](std::size_t least, std::size_t most, int& value) {
     std::size_t digits = 0;
-    while (at < cell.size() && is_digit(cell[at])) ++at, ++digits;
+    for (; at < cell.size() && is_digit(cell[at]) && digits <= most; ++at, ++digits) value = 10 * value + (cell[at] - '0');
     return digits >= least && digits <= most;
   };
   const auto slash = [&] { return at < cell.size() && cell[at++] == '/'; };
-  return number(1, 2) && slash() && number(1, 2) && slash() && number(2, 4) && (at == cell.size() || cell[at] == ' ' || cell[at] == ',' || cell[at] == 'T');
+  const bool whole = number(1, 2, date.first) && slash() && number(1, 2, date.second) && slash() && number(2, 4, date.year) &&
+                     (at == cell.size() || cell[at] == ' ' || cell[at] == ',' || cell[at] == 'T');
+  return whole ? std::optional(date) : std::nullopt;
+}
+
+// A date of one day only does not tell how the others of its column are meant, so that none is read.
+std::string hint_for_date_of_slashes(const DateOfSlashes& date, std::string_view written) {
+  constexpr int kMonths = 12;
+  const bool month_first = date.first <= kMonths && date.second > kMonths, day_first = date.first > kMonths && date.second <= kMonths;
+  const std::string which(kWhichIsTheMonth), day = printable_utf8(written);
+  if (date.year < 1000 || (!month_first && !day_first)) return which + " is not told by " + day + ": write dates as 2024-05-31T10:31:07";
+  const int month = month_first ? date.first : date.second, of_month = month_first ? date.second : date.first;
+  const auto two = [](int n) { return (n < 10 ? "0" : "") + std::to_string(n); };
+  return which + " is told by " + day + ", the " + (month_first ? "first" : "second") + ", but not by every date of this form: write dates as 2024-05-31T10:31:07, this one as " +
+         std::to_string(date.year) + "-" + two(month) + "-" + two(of_month);
+}
+
+/// "24:00:00.000", "2025-02-31 12:00:00": the form of a stamp, whatever its numbers.
+bool has_form_of_stamp(std::string_view cell) {
+  if (cell.empty() || !is_digit(cell[0]) || cell.find_first_not_of("0123456789:.,-/+TZ APMapm") != std::string_view::npos) return false;
+  const auto parts = std::ranges::count(cell, ':') + std::ranges::count(cell, '-');
+  return parts >= 2 && cell.find(':') != std::string_view::npos;
+}
+
+/// The separator that parts the line into rows of numbers, as the other lines are not; 0 where there is none.
+char other_separator(std::string_view line, std::size_t columns, char separator) {
+  for (const char other : {',', ';', '\t', '|', ' '}) {
+    std::vector<std::string_view> cells;
+    if (other != separator) cut_cells(line, other, cells);
+    if (columns > 1 && cells.size() == columns && is_row(cells)) return other;
+  }
+  return 0;
 }
 
 }  // namespace
@@ -66,9 +104,9 @@ std::string hint_for_cell(std::string_view cell, char point, bool is_settled) {
   cell = unquoted(cell);
   if (cell.find('\0') != std::string_view::npos) return "bytes of zero are no text: the file was cut or damaged there; take the line out, or export the file anew";
   if (cell.find("\xE2\x88\x92") != std::string_view::npos) return "its minus sign is the typographical one (U+2212): replace it by - throughout the file";
-  if (is_date_of_slashes(cell))
-    return std::string(kWhichIsTheMonth) + " is not told by " + printable_utf8(cell.substr(0, cell.find_first_of(" ,T"))) +
-           ": write dates as 2024-05-31T10:31:07";
+  if (const auto date = date_of_slashes(cell)) return hint_for_date_of_slashes(*date, cell.substr(0, cell.find_first_of(" ,T")));
+  if (has_form_of_stamp(cell) && !seconds_of_stamp(cell))
+    return std::string(kNoSuchTime) + ": hours end at 23, minutes at 59, seconds at 60 and days with their month; midnight is 00:00:00 of the next day";
   double value;
   const char other = point == '.' ? ',' : '.';
   if (const std::string plain = without_thousands(cell, point); !plain.empty()) {
@@ -89,8 +127,16 @@ std::string hint_for_cell(std::string_view cell, char point, bool is_settled) {
   return "leave the cell empty when the value is missing";
 }
 
-std::string hint_for_line(const std::vector<std::string_view>& cells, std::size_t columns, char separator, bool seen_data) {
-  if (separator == ',' && cells.size() >= 2 * columns - 1 && columns > 1)
+std::string separator_in_words(char separator) {
+  return separator == ';' ? "a semicolon" : separator == '\t' ? "a tab" : separator == '|' ? "a bar" : separator == ' ' ? "a blank" : "a comma";
+}
+
+std::string hint_for_line(std::string_view line, const std::vector<std::string_view>& cells, std::size_t columns, char separator, bool seen_data) {
+  if (const char other = other_separator(line, columns, separator); other != 0)
+    return "its cells are parted by " + separator_in_words(other) + ", those above it by " + separator_in_words(separator) + ": write one separator throughout the file" +
+           (seen_data ? ", or the rows from here on into a file of their own" : "");
+  const bool has_points = std::ranges::any_of(cells, [](std::string_view cell) { return cell.find('.') != std::string_view::npos; });
+  if (separator == ',' && cells.size() >= 2 * columns - 1 && columns > 1 && !has_points)
     return "these look like decimal commas; write decimal points, or separate the columns by semicolons";
   // several blanks are one separator
   const std::string missing = separator == ' '
@@ -101,7 +147,7 @@ std::string hint_for_line(const std::vector<std::string_view>& cells, std::size_
     double value;
     return read_cell(cell, '.', value) == CsvCell::number;
   });
-  return no_numbers ? "what is no row does not belong here: take the line out, or put # before it" : "every line needs one cell for each column" + missing;
+  return no_numbers ? kNoRow : "every line needs one cell for each column" + missing;
 }
 
 }  // namespace forcegate

@@ -162,7 +162,7 @@ Result<void> CsvParser::slow_row(std::string_view line, bool cut_short) {
     }
     const Unexpected ragged = error("the line has " + std::to_string(cells_.size()) + (cells_.size() == 1 ? " cell" : " cells") +
                                         ", the header has " + std::to_string(row_.size()) + " columns",
-                                    line.size() + 1, hint_for_line(cells_, row_.size(), separator_, seen_data_));
+                                    line.size() + 1, hint_for_line(line, cells_, row_.size(), separator_, seen_data_));
     // between blanks nobody can tell which cell is missing: the row is, where few are
     if (separator_ != ' ' || !seen_data_ || cells_.size() > row_.size() || !is_row(cells_)) return ragged;
     if (short_rows_++ == 0) first_short_row_ = ragged.value(), first_short_line_ = line_;
@@ -177,6 +177,7 @@ Result<void> CsvParser::slow_row(std::string_view line, bool cut_short) {
     all_text = all_text && kind == CsvCell::text;
     if (is_day_[c]) read_day(c, kind);
     if (is_text_[c]) read_word(c, kind);
+    if (kind == CsvCell::number && seen_data_ && !cut_short) FORCEGATE_CHECK_OK(check_zone(c, position));
     if (kind == CsvCell::number || is_text_[c]) continue;
     if (kind == CsvCell::text && cut_short && c + 1 == row_.size()) {
       table_.notes.push_back("the last line is cut short and was dropped");
@@ -192,7 +193,8 @@ Result<void> CsvParser::slow_row(std::string_view line, bool cut_short) {
       continue;
     }
     if (kind == CsvCell::text)
-      return error(in_quotes(unquoted(cells_[c])) + " in column " + in_quotes(table_.columns[c].header) + " is not a number", position, hint_for_cell(cells_[c], point_, point_settled_));
+      return error(in_quotes(unquoted(cells_[c])) + " in column " + in_quotes(table_.columns[c].header) + " is not a number", position,
+                   seen_data_ && std::ranges::all_of(cells_, is_word) ? kNoRow : hint_for_cell(cells_[c], point_, point_settled_));
     ++table_.columns[c].missing;
   }
   if (all_text && !seen_data_)
@@ -201,10 +203,20 @@ Result<void> CsvParser::slow_row(std::string_view line, bool cut_short) {
                      ? "one line must name the columns, and rows of numbers stand below it"
                      : hint_for_cell(cells_[0], point_, point_settled_));
   if (!seen_data_)
-    for (std::size_t c = 0; c < row_.size(); ++c) table_.columns[c].dates = seconds_of_stamp(unquoted(cells_[c])).has_value();
+    for (std::size_t c = 0; c < row_.size(); ++c) {
+      table_.columns[c].dates = seconds_of_stamp(unquoted(cells_[c])).has_value();
+      table_.columns[c].zoned = table_.columns[c].dates && has_zone(cells_[c]);
+    }
   seen_data_ = true;
   for (std::size_t c = 0; c < row_.size(); ++c) table_.columns[c].value.push_back(row_[c]);
   return {};
+}
+
+Result<void> CsvParser::check_zone(std::size_t c, std::size_t position) const {
+  const CsvColumn& column = table_.columns[c];
+  if (!column.dates || has_zone(cells_[c]) == column.zoned) return {};
+  return error(in_quotes(unquoted(cells_[c])) + " in column " + in_quotes(column.header) + (column.zoned ? " has no zone, and the stamps above it have one" : " has a zone, and the stamps above it have none"),
+               position, "write all of them with their zone, as 2024-05-31T10:31:07Z, or none");
 }
 
 void CsvParser::read_day(std::size_t c, CsvCell kind) {

@@ -36,12 +36,12 @@ class CsvParser {
   /// "# t_s F_ref_N U_V" above the first row, as numpy writes it, is the header.
   bool comment_names(std::string_view row);
   Result<void> header(std::string_view line);
-  std::string separator_name() const;
   /// A row of plain numbers, nullptr for anything else.
   const char* fast_row(const char* p);
   Result<void> slow_row(std::string_view line, bool cut_short);
   /// A cell of a column of dates.
   void read_day(std::size_t c, CsvCell kind);
+  Result<void> check_zone(std::size_t c, std::size_t position) const;
   void read_word(std::size_t c, CsvCell kind);
   Result<bool> row_of_units(std::string_view line);
   /// To a header that does not tell it already; one that tells another is an error.

@@ -15,6 +15,7 @@ struct CsvColumn {
   std::string header;  ///< as written, without quotes and outer blanks; a row of units is appended as "_mN"
   std::vector<double> value;  ///< NaN = missing
   bool dates = false;         ///< its cells are dates or times of day, and the values seconds
+  bool zoned = false;         ///< and tell their zone, all of them
   std::size_t missing = 0;    ///< empty cells, "nan", "NA", "null", infinities
 };
 

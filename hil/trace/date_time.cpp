@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 
+#include "hil/base/iso_date.h"
 #include "hil/base/utc_clock.h"
 
 namespace forcegate {
@@ -106,7 +107,7 @@ bool zone(Scanner& s, double& seconds) {
 }
 
 bool is_date(int year, int month, int day) {
-  return year >= 1970 && month >= 1 && month <= 12 && day >= 1 && day <= 31;
+  return year >= 1970 && month >= 1 && month <= 12 && day >= 1 && day <= days_of_month(year, month);
 }
 
 }  // namespace
@@ -128,6 +129,11 @@ std::optional<double> seconds_of_stamp(std::string_view text) {
     if (is_date(year, month, day) && clock_time(dotted, seconds, true) && dotted.at_end()) return seconds;
   }
   return std::nullopt;
+}
+
+bool has_zone(std::string_view stamp) {
+  const std::size_t time = stamp.find(':');
+  return time != std::string_view::npos && stamp.find_first_of("Z+-", time) != std::string_view::npos;
 }
 
 std::string stamp_of_seconds(double seconds) {

@@ -12,6 +12,9 @@ namespace forcegate {
 /// for any other text: a date with slashes and the year at its end does not say which number is the month.
 std::optional<double> seconds_of_stamp(std::string_view text);
 
+/// Whether a stamp ends in Z or +01:00.
+bool has_zone(std::string_view stamp);
+
 /// The first form, to milliseconds; "10:00:00.123" of seconds since midnight.
 std::string stamp_of_seconds(double seconds);
 

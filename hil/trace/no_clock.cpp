@@ -24,6 +24,19 @@ bool counts_rows(const std::vector<double>& values) {
   return values.size() > 2 && values.front() == std::floor(values.front());
 }
 
+// "--map T_S=t_s --map u_v=U_V" of columns that are a clock and others but for their capitals; empty where none is a clock.
+std::string maps_of_capitals(const std::vector<std::string>& headers) {
+  std::string maps;
+  bool clock = false;
+  for (const std::string& header : headers) {
+    const std::string meant = meant_but_for_capitals(header);
+    if (meant.empty()) continue;
+    clock = clock || meant.starts_with("t_");
+    maps += (maps.empty() ? "--map " : " --map ") + shell_quoted(header + "=" + meant);
+  }
+  return clock ? maps : "";
+}
+
 bool is_dated(const TextColumn& column) { return column.hint.starts_with(kWhichIsTheMonth); }
 
 }  // namespace
@@ -37,9 +50,12 @@ Unexpected no_clock(const CsvTable& table, const std::vector<ColumnMeaning>& mea
   }
   for (const TextColumn& column : table.text_columns) texts.push_back(column.header + " (\"" + column.cell + "\")");
   const std::string text = "there is no time column among: " + some_of(headers) + (texts.empty() ? "" : "; left out, since they hold text: " + some_of(texts));
+  const std::string at = table.header_line > 0 ? where + ":" + std::to_string(table.header_line) : where;
   std::string hint;
   if (const auto dated = std::ranges::find_if(table.text_columns, is_dated); dated != table.text_columns.end()) {
     hint = dated->hint;
+  } else if (const std::string maps = maps_of_capitals(headers); !maps.empty()) {
+    return fail(ErrorCode::parse, text, at, "units are told apart by their capitals: " + maps);
   } else if (likely == nullptr) {
     hint = "give --rate HZ, or \"fs_Hz\" in campaign.json, for a file without one";
   } else if (counts_rows(likely->value)) {
@@ -55,7 +71,7 @@ Unexpected no_clock(const CsvTable& table, const std::vector<ColumnMeaning>& mea
     hint += "; none of them is the reference force either: where there is one, --map NAME=F_ref_N, and of an output alone forcegate diagnose tells the drift";
   if (!texts.empty() && likely != nullptr && table.text_columns.size() >= table.columns.size())
     hint = "if line " + std::to_string(table.text_columns.front().line) + " is no row, take it out; then " + hint;
-  return fail(ErrorCode::parse, text, table.header_line > 0 ? where + ":" + std::to_string(table.header_line) : where, hint);
+  return fail(ErrorCode::parse, text, at, hint);
 }
 
 }  // namespace forcegate

@@ -10,6 +10,7 @@
 #include "hil/trace/date_time.h"
 #include "hil/trace/packets.h"
 #include "hil/trace/part_column.h"
+#include "hil/trace/summer_time.h"
 #include "hil/trace/trace.h"
 
 namespace forcegate {
@@ -71,7 +72,7 @@ Result<void> check_runs_forwards(const std::vector<double>& t, const std::string
   constexpr std::size_t kFewest = 3;
   std::size_t down = 0, up = 0;
   for (std::size_t i = 1; i < t.size(); ++i) down += t[i] < t[i - 1], up += t[i] > t[i - 1];
-  if (down < kFewest || down <= up) return {};
+  if (down < kFewest || down <= up || t.back() > t.front()) return {};  // swapped neighbours go on in the end
   return fail(ErrorCode::parse,
               "the clock runs backwards, from " + shortest(t.front()) + " s down to " + shortest(t.back()) + " s, in " +
                   std::to_string(down) + " of " + std::to_string(t.size() - 1) + " steps",
@@ -81,14 +82,11 @@ Result<void> check_runs_forwards(const std::vector<double>& t, const std::string
 std::string as_written(double t_s, bool dates) { return dates ? stamp_of_seconds(t_s) : shortest(t_s) + " s"; }
 
 std::string hint_for_jump(double back_s, double step_s, const ClockSource& source, std::size_t row) {
-  constexpr double kHour_s = 3600.0, kNear_s = 5.0;
   const std::string column = source.changes_at ? source.changes_at(row) : "";
   if (!column.empty()) return "column \"" + column + "\" changes there: make one file for each of its values, " + split_command(source.where, column);
   const std::string split = "split the file where a new recording begins";
-  if (!source.dates || std::fabs(back_s - kHour_s) > std::max(kNear_s, 2.0 * step_s)) return split;
-  return "an hour is what clocks go back at the end of summer time: add it to the stamps from there on, "
-         "or write all of them with their zone (2026-10-25T02:00:00+01:00); where it is another recording, " +
-         split;
+  const auto hour = source.dates && !source.zoned ? hint_for_hour_back(back_s, step_s) : std::nullopt;
+  return hour ? *hour + "; where it is another recording, " + split : split;
 }
 
 bool increases(const std::vector<double>& stamps_s) {
@@ -103,6 +101,16 @@ double median_change(const std::vector<double>& t) {
   for (std::size_t i = 1; i < t.size(); ++i)
     if (t[i] != t[i - 1]) steps.push_back(std::fabs(t[i] - t[i - 1]));
   return steps.empty() ? 0.0 : median(std::move(steps));
+}
+
+Result<void> check_no_hour_is_skipped(const OrderedStamps& stamps, const ClockSource& source) {
+  if (!source.dates || source.zoned) return {};
+  const std::vector<double>& t = stamps.t_s;
+  const auto at = hour_ahead(t, median_change(t));
+  if (!at) return {};
+  const std::size_t row = stamps.rows.empty() ? *at : stamps.rows[*at];
+  const std::string line = source.line_of_row ? ":" + std::to_string(source.line_of_row(row)) : "";
+  return fail(ErrorCode::parse, "the clock skips an hour, from " + as_written(t[*at - 1], true) + " to " + as_written(t[*at], true), source.where + line, hint_for_hour_ahead());
 }
 
 // Stamps that are missing, out of order or repeated.
@@ -235,6 +243,7 @@ Result<OrderedStamps> order_stamps(std::vector<double>& stamps_s, const ClockSou
   } else {
     out.t_s = std::move(stamps_s);
   }
+  FORCEGATE_CHECK_OK(check_no_hour_is_skipped(out, source));
   return out;
 }
 

@@ -21,6 +21,7 @@ struct ClockSource {
   LineOfRow line_of_row;  ///< none: the table comes from no text, and rows are counted
   double declared_rate_Hz = 0.0;  ///< 0 = not said
   bool dates = false;  ///< its cells are stamps such as 2024-05-31T10:31:07, which errors then write
+  bool zoned = false;  ///< and tell their zone
   OtherColumns columns;
   std::function<std::string(std::size_t row)> changes_at;  ///< header of a column with one value before that row and another from it on, or ""
 };

@@ -108,6 +108,14 @@ TEST(CommandLine, CtrlCIsTold) {
   }
 }
 
+TEST(CommandLine, CtrlCSaysWhatAJournalHolds) {
+  TemporaryFolder folder;
+  const ProcessOptions interrupted{.folder = folder.path(), .signal_after = std::chrono::milliseconds(500), .signal = 2};
+  const ProcessResult r = forcegate({"-q", "league", "--seed", "5", "--journal", "j"}, interrupted);
+  EXPECT_EQ(r.exit_code, 130);
+  EXPECT_EQ(r.err, "error: interrupted\n  help: what is finished is kept in j: the same command goes on from there\n");
+}
+
 TEST(CommandLine, QuietMeansNoNotes) {
   TemporaryFolder folder;
   std::string text = "F_ref_N,U_V\n";

@@ -52,5 +52,18 @@ TEST_F(ExplainedChecks, AreAllThoseOfTheGateOfConductanceAndCapacitance) {
                              folder_ / "run"));
 }
 
+TEST(ExplainedWords, BesideTheNumbersOfAReportAndThoseOfFormsAreKnown) {
+  for (const char* word : {"floor", "adapted", "refitted", "as written", "explainable", "likeness", "odds", "held-out", "%GRR", "ratio", "residual", "rival"}) {
+    const ProcessResult r = forcegate({"explain", word}, kHere);
+    EXPECT_EQ(r.exit_code, 0) << word << ": " << r.err;
+    EXPECT_THAT(r.out, testing::HasSubstr("(figure)")) << word;
+  }
+  for (const auto& [form, effect] : {std::pair{"play_bank_curved", "hysteresis"}, {"power_law_decayed", "creep"}}) {
+    const ProcessResult r = forcegate({"explain", form}, kHere);
+    EXPECT_EQ(r.exit_code, 0) << form << ": " << r.err;
+    EXPECT_THAT(r.out, testing::AllOf(testing::HasSubstr("(form)"), testing::HasSubstr(effect))) << form;
+  }
+}
+
 }  // namespace
 }  // namespace forcegate::test

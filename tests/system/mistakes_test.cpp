@@ -37,6 +37,11 @@ TEST(Mistakes, InNamesAreToldAlsoWhereNothingWouldBeDoneWithThem) {
       {{"history", "nix.toml"}, "there is no such model file"},
       {{"compare", run, "--model", "nix"}, "there is no such model file"},
       {{"export", "nix"}, "there is no such model file"},
+      {{"check", "nix"}, "there is no such folder"},
+      {{"report", "nix"}, "there is no such file or folder"},
+      {{"diff", "nix", "nix"}, "there is no such file or folder"},
+      {{"bench", "serve", "rigs/twin.toml", "--folder", "/proc/nix"}, "cannot publish a port"},
+      {{"bench", "faults", FORCEGATE_BINARY_DIR "/firmware/mutants/compensation_off.native.so", "--fault", "clock_jump"}, "without any fault the build is no known-good one"},
   };
   for (const auto& [words, what] : told) {
     const ProcessResult r = forcegate(words, kHere);

@@ -69,6 +69,13 @@ std::string what_it_reads(const std::vector<ReferenceReading>& readings, double 
 
 }  // namespace
 
+std::string far_from_declared(std::size_t readings, double took_s, double declared_Hz) {
+  constexpr double kMost = 3.0;  // adapters hand over what they have gathered
+  constexpr std::size_t kGathered = 100;
+  if (!(declared_Hz > 0.0) || static_cast<double>(readings) <= kMost * declared_Hz * took_s + kGathered) return {};
+  return fmt::format(", and rate_Hz = {} declares {:.0f}", shortest(declared_Hz), declared_Hz * took_s);
+}
+
 std::vector<BenchRow> list_benches(const std::vector<fs::path>& files) {
   std::vector<fs::path> found = files;
   if (found.empty()) {
@@ -151,6 +158,11 @@ Result<std::vector<BenchItem>> examine_bench(const fs::path& file,
   if (board && samples.empty())
     board = fail(ErrorCode::timeout, "no sample within 0.1 s", "board", "reset the board");
   add("reference", reference, who(details, "reference") + ": " + what_it_reads(readings, took_s));
+  if (const std::string far = reference ? far_from_declared(readings.size(), took_s, s->reference().facts().rate_Hz) : std::string(); !far.empty()) {
+    items.back().good = false;
+    items.back().found += far;
+    items.back().remedy = "correct rate_Hz of [reference], or let its adapter hand over every reading once";
+  }
   add("board", board,
       samples.empty() ? ""
                       : fmt::format("{}: code {}, {} samples in {:.2g} s", who(details, "board"),

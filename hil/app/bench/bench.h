@@ -27,6 +27,9 @@ struct BenchItem {
   std::string name, found, remedy;
   bool good = true;
 };
+/// What to say of more readings than `declared_Hz` (0: none is declared) and an adapter's store of them explain; "" of others.
+std::string far_from_declared(std::size_t readings, double took_s, double declared_Hz);
+
 /// Opens every instrument, asks who it is and for one reading; nothing moves.
 Result<std::vector<BenchItem>> examine_bench(const std::filesystem::path& file,
                                              const std::map<std::string, std::string>& options);

@@ -71,7 +71,7 @@ Result<FaultMatrix> fault_matrix(const FaultMatrixRequest& request, const GatePr
                   near.empty() ? "forcegate bench faults --help lists them" : "did you mean '" + near + "'?");
     }
   const double runs =
-      static_cast<double>(wanted.size() * (request.bad.empty() ? 1 : 2) + request.runaway.size());
+      static_cast<double>(wanted.size() * (request.bad.empty() ? 1 : 2) + request.runaway.size() + 1);
   double done = 0.0;
   const auto play = [&](const std::filesystem::path& image, const std::map<std::string, double>& faults,
                         const std::string& now) -> Result<Decision> {
@@ -86,6 +86,11 @@ Result<FaultMatrix> fault_matrix(const FaultMatrixRequest& request, const GatePr
     done += 1.0;
     return result.decision;
   };
+  // What a fault does to a build is told by a build that the sound rig accepts.
+  FORCEGATE_TRY(const Decision sound, play(request.good, {}, "no fault"));
+  if (sound.kind != DecisionKind::accept)
+    return fail(ErrorCode::usage, fmt::format("without any fault the build is no known-good one: {}, {}", to_string(sound.kind), sound.reason), request.good.string(),
+                "give an image that forcegate gate accepts under the plan " + request.plan + "; --bad takes one that it rejects");
   FaultMatrix matrix;
   for (const FaultScenario& s : wanted) {
     FaultRow row;

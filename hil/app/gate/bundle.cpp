@@ -137,10 +137,17 @@ class BundleWriter {
   std::vector<std::string> names_;
 };
 
+// A run that was killed has left the one before it aside, which its name does not lead to.
+std::string or_aside(const fs::path& folder, const std::string& hint) {
+  const fs::path aside = run_put_aside(folder);
+  return aside.empty() ? hint : "an older run of that name lies in " + shell_quoted(aside.string()) + " since a later one was killed; mv gives it its name again";
+}
+
 // Every listed file is there and as it was written.
 Result<Bundle> read_manifest(const fs::path& folder) {
   const std::string where = (folder / "bundle.json").string();
   std::error_code ignored;
+  if (!fs::exists(folder, ignored)) return fail(ErrorCode::usage, "there is no such folder", folder.string(), or_aside(folder, "check the name: it is the folder that forcegate gate -o wrote"));
   if (!fs::exists(folder / "bundle.json", ignored))
     return fail(ErrorCode::usage, "this is no bundle", folder.string(),
                 "give the folder that forcegate gate -o wrote: it holds bundle.json");
@@ -226,6 +233,14 @@ Result<void> check_result_unchanged(const fs::path& folder) {
   if (found == listed) return {};
   return fail(ErrorCode::parse, "the result was changed after the run", result.string(),
               "take the folder as the run wrote it, or gate the build again");
+}
+
+Result<RunResult> read_run(const fs::path& path) {
+  std::error_code ignored;
+  if (!fs::exists(path, ignored)) return fail(ErrorCode::io, "there is no such file or folder", path.string(), or_aside(path, "check the name"));
+  const bool folder = fs::is_directory(path, ignored);
+  FORCEGATE_CHECK_OK(check_result_unchanged(folder ? path : path.parent_path()));
+  return read_result(folder ? path / "result.json" : path);
 }
 
 Result<void> write_bundle(const fs::path& folder, const BundleSource& source, const RunMaterial& material, const RunResult& result) {

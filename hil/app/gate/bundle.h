@@ -62,6 +62,9 @@ Result<void> write_bundle(const std::filesystem::path& folder, const BundleSourc
 /// Good where the folder holds no list, or one of before results were listed. Errors (parse): result.json is not what the run wrote.
 Result<void> check_result_unchanged(const std::filesystem::path& folder);
 
+/// The result of a run's folder, or of its result.json. Errors: as check_result_unchanged and read_result; where an older run of that name lies aside it is named.
+Result<RunResult> read_run(const std::filesystem::path& path);
+
 /// Margins of the goldens, bundle and every report, then the folder gets its name.
 template <class Material>
 Result<void> publish_run(RunFolder& folder, const BundleSource& source, const Material& material,

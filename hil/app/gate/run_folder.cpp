@@ -135,6 +135,22 @@ std::vector<fs::path> remove_leftovers(const fs::path& final_path) {
 
 }  // namespace
 
+fs::path run_put_aside(const fs::path& final_path) {
+  std::error_code error;
+  fs::path name = fs::absolute(final_path, error).lexically_normal(), youngest;
+  if (name.filename().empty()) name = name.parent_path();
+  fs::file_time_type when{};
+  for (const auto& entry : fs::directory_iterator(name.parent_path(), error)) {
+    const long pid = pid_in(entry.path().filename().string(), name.filename().string() + kOlder);
+    if (pid <= 0 || lives(pid) || !is_ours(entry.path())) continue;
+    std::error_code unknown;
+    const auto made = fs::last_write_time(entry.path() / "result.json", unknown);
+    if (unknown || (!youngest.empty() && made <= when)) continue;
+    youngest = entry.path(), when = made;
+  }
+  return youngest;
+}
+
 Result<RunFolder> RunFolder::open(const fs::path& final_path, const std::vector<fs::path>& inputs) {
   RunFolder folder;
   std::error_code error;
@@ -161,6 +177,7 @@ Result<RunFolder> RunFolder::open(const fs::path& final_path, const std::vector<
       return fail(ErrorCode::io, "the older result cannot be put aside: " + error.message(),
                   folder.final_.string(), "check the permissions of the folder that it is in");
   }
+  if (folder.older_.empty()) folder.older_ = run_put_aside(folder.final_);  // by a run that was killed
   fs::create_directories(folder.final_.parent_path(), error);
   folder.left_ = remove_leftovers(folder.final_);
   folder.temporary_ = folder.final_.string() + kPart + std::to_string(getpid());

@@ -10,10 +10,14 @@
 
 namespace forcegate {
 
+/// The run of that name that lies aside as NAME.older-PID since a run was killed, the youngest of them; "" without one.
+std::filesystem::path run_put_aside(const std::filesystem::path& final_path);
+
 class RunFolder {
  public:
-  /// Puts an older run of that name aside at once, as NAME.older-PID (while this one lasts it must not be taken for it), and removes
-  /// what killed runs left and nothing else, but traces: those stay under the name NAME.unfinished-PID. Refuses (usage) a folder that holds anything but a result
+  /// Puts an older run of that name aside at once, as NAME.older-PID (while this one lasts it must not be taken for it), takes over one that a killed run left
+  /// aside, and removes
+  /// what else killed runs left and nothing else, but traces: those stay under the name NAME.unfinished-PID. Refuses (usage) a folder that holds anything but a result
   /// of ours, one that another run is filling now (one of the two would be lost), one that the process stands in or that one of
   /// `inputs` lies in, and a symbolic link that leads nowhere; another link is followed.
   static Result<RunFolder> open(const std::filesystem::path& final_path, const std::vector<std::filesystem::path>& inputs = {});

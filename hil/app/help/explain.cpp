@@ -9,7 +9,7 @@
 namespace forcegate {
 
 const std::vector<Explanation>& explanations() {
-  static const std::vector<Explanation> kAll = {
+  static const std::vector<Explanation> kWords = {
       {"ACCEPT", "decision", "Every required check ran on a sound rig and passed.", "Ship the build."},
       {"REJECT", "decision", "A required check failed beyond its uncertainty while the rig was sound.",
        "Read the first failing check in the report; it names the quantity, the value, the limit and its source."},
@@ -110,6 +110,11 @@ const std::vector<Explanation>& explanations() {
       {"130", "exit code", "Interrupted by Ctrl-C, SIGTERM or SIGHUP; the rig is parked.",
        "forcegate recover makes a trace from the journal of the interrupted record."},
   };
+  static const std::vector<Explanation> kAll = [] {
+    std::vector<Explanation> all = kWords;
+    all.insert(all.end(), figure_explanations().begin(), figure_explanations().end());
+    return all;
+  }();
   return kAll;
 }
 
@@ -121,13 +126,15 @@ std::string parameters_of(const std::vector<ParameterSpec>& specs) {
   return join(out, ", ");
 }
 
+std::string form_in_words(const EffectForm& form) {
+  return form.name + ": " + parameters_of(form.strength) + (form.shape.empty() ? "" : " | " + parameters_of(form.shape)) +
+         (form.beside.empty() ? "" : " (where the model has " + form.beside + ")");
+}
+
 // What a person writes into a model file, or meets there after `add`.
 std::string forms_of(const EffectKind& effect) {
   std::string out = "Forms, with their strengths and, behind |, shapes:";
-  for (const EffectForm& form : effect.forms) {
-    out += "\n  " + form.name + ": " + parameters_of(form.strength) + (form.shape.empty() ? "" : " | " + parameters_of(form.shape));
-    if (!form.beside.empty()) out += " (where the model has " + form.beside + ")";
-  }
+  for (const EffectForm& form : effect.forms) out += "\n  " + form_in_words(form);
   return out;
 }
 
@@ -157,6 +164,11 @@ std::vector<Explanation> find_explanations(std::string_view term) {
   std::ranges::copy_if(check_explanations(), std::back_inserter(out), [&](const Explanation& e) { return e.term == ascii_lower(check); });
   for (const EffectKind& effect : EffectRegistry::instance().all())
     if (effect.name == ascii_lower(term)) out.push_back(explanation_of(effect));
+  for (const EffectKind& effect : EffectRegistry::instance().all())
+    for (const EffectForm& form : effect.forms)
+      if (plain(form.name) == plain(term) && form.name != effect.name)
+        out.push_back({form.name, "form", "A form of the effect " + effect.name + ", with its strengths and, behind |, shapes:\n  " + form_in_words(form),
+                       "Forms of one effect are one cause: the ranking names the one that predicts held-out records best. forcegate explain " + effect.name + " tells all of them."});
   return out;
 }
 

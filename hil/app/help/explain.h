@@ -11,13 +11,16 @@ namespace forcegate {
 
 struct Explanation {
   std::string term;  ///< "marginal", "NO-DECISION", "4"
-  std::string kind;  ///< "verdict", "decision", "who must act", "exit code", "diagnosis", "side", "check", "effect"
+  std::string kind;  ///< "verdict", "decision", "who must act", "exit code", "diagnosis", "side", "figure", "check", "effect", "form"
   std::string meaning;
   std::string what_to_do;
 };
 
 /// Sorted by kind as a report mentions them.
 const std::vector<Explanation>& explanations();
+
+/// Words beside the numbers of a report: those of explanations() that are of the kind "figure".
+const std::vector<Explanation>& figure_explanations();
 
 /// The checks of a gate, by the id that stands in its reports ("promise_maxima/CASE" without the case).
 const std::vector<Explanation>& check_explanations();

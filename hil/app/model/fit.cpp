@@ -109,6 +109,18 @@ std::string waterfall_text(const diagnose::Waterfall& w) {
   return out;
 }
 
+namespace {
+
+// A parameter that the records do not tell would be written as a zero of its uncertainty, which it is not: it stayed near what was written.
+std::string after_text(const diagnose::ParameterMove& m) {
+  constexpr double kReach = 100.0;
+  const double ratio = m.after / m.before;
+  const bool untold = std::isfinite(ratio) && ratio >= 1.0 / kReach && ratio <= kReach && m.u > std::abs(m.after);
+  return untold ? fmt::format("{:.3g}, not told by these records (u = {:.2g})", m.after, m.u) : with_uncertainty(m.after, m.u);
+}
+
+}  // namespace
+
 std::string refit_text(const diagnose::Refit& r, const std::string& add, bool notes) {
   const PrintedUnit unit = printed_unit(r.waterfall.unit);
   const auto number = [&](double v) { return plain_number(unit.factor * v); };
@@ -122,7 +134,7 @@ std::string refit_text(const diagnose::Refit& r, const std::string& add, bool no
   for (const std::string& warning : weak_addition(r, add).warnings) out += "warning: " + warning + "\n";
   out += "parameters:\n";
   for (const auto& m : r.moves)
-    out += fmt::format("  {:<28} {:>12} -> {} {}\n", m.name, std::isfinite(m.before) ? fmt::format("{:.5g}", m.before) : "new", with_uncertainty(m.after, m.u),
+    out += fmt::format("  {:<28} {:>12} -> {} {}\n", m.name, std::isfinite(m.before) ? fmt::format("{:.5g}", m.before) : "new", after_text(m),
                        m.unit == "1" ? "" : m.unit);
   if (notes)
     for (const std::string& note : r.notes) out += "note: " + note + "\n";

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "hil/app/files/own_file.h"
@@ -39,6 +40,18 @@ struct OutputColumn {
   std::string name;
   double factor;
 };
+
+// Where a state of an equation runs away, the numbers stay numbers for a while.
+std::string far_off_note(const RecordInput& r, const std::vector<double>& U, const std::string& unit) {
+  constexpr double kFar = 1e3;
+  double largest = 0.0;
+  for (std::size_t i = 0; i < r.rows(); ++i)
+    if (r.ok[i] != 0) largest = std::max(largest, std::fabs(r.U_V[i]));
+  const auto far = std::ranges::find_if(U, [&](double u) { return std::fabs(u) > kFar * largest; });
+  if (!(largest > 0.0) || far == U.end()) return {};
+  return fmt::format("{}: the model is at {:.3g} {} from {:.4g} s on, and the recorded output stays within {:.3g}: a state of it may run away (the sign and size of its time constants)",
+                     r.name, *far, unit, r.t_s[static_cast<std::size_t>(far - U.begin())], largest);
+}
 
 }  // namespace
 
@@ -80,7 +93,9 @@ Result<Simulation> simulate_request(const CampaignRequest& request, const std::f
     files.about_to_make(file);
     FORCEGATE_CHECK_OK(write_file_atomically(file, text));
     Simulation::Item item{r.name, file, r.rows(), r.row_step_s, r.fast_t_s.size() > r.rows(), std::nullopt};
-    if (out.is_comparable()) item.rmse_V = std::sqrt(square / static_cast<double>(std::max<std::size_t>(1, counted)));
+    std::string far_off = out.is_comparable() ? far_off_note(r, U, out.unit) : std::string();
+    if (!far_off.empty()) out.notes.push_back(std::move(far_off));
+    if (out.is_comparable() && std::isfinite(square)) item.rmse_V = std::sqrt(square / static_cast<double>(std::max<std::size_t>(1, counted)));
     out.items.push_back(std::move(item));
   }
   files.keep();

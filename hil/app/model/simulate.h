@@ -15,7 +15,7 @@ struct Simulation {
     std::size_t rows = 0;
     double row_s = 0.0;      ///< length of a row's mean
     bool is_thinned = false;  ///< a row is the mean of several samples
-    std::optional<double> rmse_V;  ///< against the measured output; none where the model's is in another unit
+    std::optional<double> rmse_V;  ///< against the measured output; none where the model's is in another unit or beyond every number
   };
   std::vector<Item> items;
   std::string unit = "V", model_unit = "V";  ///< of the measured output and of the model's

@@ -6,6 +6,7 @@
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -35,6 +36,7 @@ struct WorkerPage {
   std::atomic<std::uint32_t> other_thread{0};  ///< 1: the signal that ended the child met another thread than its first
   std::atomic<std::uint32_t> own_signal{0};    ///< 1: the child sent it to itself
   std::atomic<std::uint32_t> finished{0};      ///< 1: the child ends because its work is done
+  std::atomic<std::uint32_t> pipe_lost{0};     ///< 1: somebody in the child closed the pipe of its answer
 };
 
 WorkerPage* g_page = nullptr;  // of a child
@@ -91,9 +93,22 @@ std::string answer_of(const Result<std::string>& made) {
                       -1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
+// An image that closes descriptors which it did not open may also leave another file under the number of the pipe.
+bool is_same_file(int descriptor, const struct stat& file) {
+  struct stat now{};
+  return fstat(descriptor, &now) == 0 && now.st_dev == file.st_dev && now.st_ino == file.st_ino;
+}
+
+// Every process of the harness is waited for by whoever started it, so that one which is left is the image's.
+bool has_children() { return waitpid(-1, nullptr, WNOHANG) >= 0; }
+
 // noexcept: an exception ends the child where it was thrown, inside the image or not, and never in the parent's own frames.
 [[noreturn]] void serve(const WatchedTask& task, WorkerPage* page, int out) noexcept {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
+  setpgid(0, 0);  // what an image starts is of this group and ends with it
+  const pid_t self = getpid();
+  struct stat pipe{};
+  fstat(out, &pipe);
   const rlimit no_core{0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
   std::signal(SIGINT, SIG_IGN);  // Ctrl-C is the parent's to handle
@@ -102,11 +117,19 @@ std::string answer_of(const Result<std::string>& made) {
   dup2(null, STDIN_FILENO);
   dup2(null, STDOUT_FILENO);  // what a firmware prints is not part of any answer
   g_firmware_guard.store(&page->guard);
-  const std::string text = answer_of(task.work([page](double t_s) {
+  Result<std::string> made = task.work([page](double t_s) {
     page->t_s.store(static_cast<float>(t_s), std::memory_order_relaxed);
     page->progress.fetch_add(1, std::memory_order_relaxed);
-  }));
+  });
+  if (getpid() != self) _exit(70);  // a process that the image split off and that came back here
+  if (made && page->guard.loaded.load() != 0 && has_children())
+    made = fail(ErrorCode::firmware, "the firmware leaves a process behind that it started", task.id, "end it and wait for it before the image is closed; a board has no processes");
+  const std::string text = answer_of(made);
   page->finished.store(1);
+  if (!is_same_file(out, pipe)) {
+    page->pipe_lost.store(1);
+    _exit(70);
+  }
   for (std::size_t at = 0; at < text.size();) {
     const ssize_t n = write(out, text.data() + at, text.size() - at);
     if (n < 0 && errno == EINTR) continue;
@@ -145,7 +168,8 @@ class Pool {
   struct Worker {
     std::size_t task = 0;
     pid_t pid = -1;
-    int in = -1;
+    int end = -1;  ///< readable once the process has ended
+    int in = -1;   ///< -1 once it is read to its end
     WorkerPage* page = nullptr;
     std::string answer;
     std::uint64_t last_mark = 0;
@@ -180,6 +204,7 @@ class Pool {
     }
     auto* page = new (memory) WorkerPage;
     const pid_t pid = fork();
+    if (pid > 0) setpgid(pid, pid);  // whoever comes first: from here on the group can be killed
     if (pid == 0) {
       close(ends[0]);
       serve(tasks_[task], page, ends[1]);
@@ -191,9 +216,11 @@ class Pool {
       answers_[task] = not_started(task);
       return;
     }
+    fcntl(ends[0], F_SETFL, O_NONBLOCK);
     Worker w;
     w.task = task;
     w.pid = pid;
+    w.end = static_cast<int>(syscall(SYS_pidfd_open, pid, 0));
     w.in = ends[0];
     w.page = page;
     w.wall_at_mark_s = now_s(CLOCK_MONOTONIC);
@@ -202,11 +229,12 @@ class Pool {
 
   void wait() {
     std::vector<pollfd> polled;
-    for (const Worker& w : running_) polled.push_back({w.in, POLLIN, 0});
+    for (const Worker& w : running_) polled.insert(polled.end(), {{w.in, POLLIN, 0}, {w.end, POLLIN, 0}});
     poll(polled.data(), polled.size(), 100);
-    for (std::size_t i = polled.size(); i-- > 0;) {
+    for (std::size_t i = running_.size(); i-- > 0;) {
       Worker& w = running_[i];
-      if (polled[i].revents != 0 && !read_some(w)) {
+      if (polled[2 * i].revents != 0) read_some(w);
+      if (has_ended(w)) {
         finish(w);
         continue;
       }
@@ -215,14 +243,23 @@ class Pool {
     }
   }
 
-  // False at the end of the answer.
-  bool read_some(Worker& w) {
+  static bool has_ended(const Worker& w) {
+    siginfo_t end{};
+    return waitid(P_PID, static_cast<id_t>(w.pid), &end, WEXITED | WNOHANG | WNOWAIT) != 0 || end.si_pid == w.pid;
+  }
+
+  // False when there is nothing to read now, or no more at all: then the pipe is closed, by which a child that writes beyond the largest answer ends.
+  static bool read_some(Worker& w) {
     char buffer[65536];
+    if (w.in < 0) return false;
     const ssize_t n = read(w.in, buffer, sizeof buffer);
     if (n < 0 && errno == EINTR) return true;
-    if (n <= 0) return false;
-    w.answer.append(buffer, static_cast<std::size_t>(n));
-    return w.answer.size() <= kLargestAnswer;
+    if (n < 0 && errno == EAGAIN) return false;
+    if (n > 0) w.answer.append(buffer, static_cast<std::size_t>(n));
+    if (n > 0 && w.answer.size() <= kLargestAnswer) return true;
+    close(w.in);
+    w.in = -1;
+    return false;
   }
 
   void show(Worker& w) {
@@ -255,22 +292,27 @@ class Pool {
   }
 
   void end(Worker& w, std::string text, bool interrupted) {
-    kill(w.pid, SIGKILL);
-    int status = 0;
-    waitpid(w.pid, &status, 0);
+    reap(w);
     answers_[w.task] =
         gone(w.task, interrupted ? ErrorCode::cancelled : ErrorCode::firmware, std::move(text));
     release(w);
   }
 
+  // The end of the process and not that of the pipe: whatever the image started may hold the pipe open.
   void finish(Worker& w) {
-    close(w.in);  // a child that still writes, beyond the largest answer, ends by it
-    w.in = -1;
-    int status = 0;
-    waitpid(w.pid, &status, 0);
+    while (read_some(w)) {
+    }
+    const int status = reap(w);
     answers_[w.task] =
         WIFEXITED(status) && WEXITSTATUS(status) == 0 && !w.answer.empty() ? answered(w) : ended(w, status);
     release(w);
+  }
+
+  static int reap(const Worker& w) {
+    kill(-w.pid, SIGKILL);  // before it is waited for: until then nobody else can get the number of the group
+    int status = 0;
+    waitpid(w.pid, &status, 0);
+    return status;
   }
 
   Result<std::string> answered(Worker& w) const {
@@ -301,6 +343,8 @@ class Pool {
     // Abort is how our own code ends itself, too.
     if (loaded && WIFSIGNALED(status) && page.own_signal.load() != 0 && WTERMSIG(status) != SIGABRT)
       return gone(w.task, ErrorCode::firmware, fmt::format("the firmware sent its process {}", how));
+    if (loaded && page.pipe_lost.load() != 0)
+      return gone(w.task, ErrorCode::firmware, "the firmware closed a file that it did not open, the pipe of its own worker process");
     if ((inside || loaded) && WIFEXITED(status) && page.finished.load() == 0)
       return gone(w.task, ErrorCode::firmware,
                   fmt::format("the firmware ended its process with {}{}", how, inside ? " " + place_of(page.guard) : std::string()));
@@ -309,6 +353,7 @@ class Pool {
 
   void release(Worker& w) {
     if (w.in >= 0) close(w.in);
+    if (w.end >= 0) close(w.end);
     if (!answers_[w.task] && events_.died && w.page->guard.known.load() != 0) events_.died(w.task, w.page->guard);
     munmap(w.page, sizeof(WorkerPage));
     const std::size_t task = w.task;

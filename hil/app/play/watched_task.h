@@ -41,7 +41,8 @@ struct WatchedTask {
 /// Runs every task and returns the texts in their order, whatever the number of workers. An error of `work` comes back as
 /// it was. A child that dies or hangs gives ErrorCode::firmware, with signal and block, when it was inside the image
 /// (FirmwareGuard), when a thread other than its own crashed after the image was loaded, or when the process sent itself
-/// a signal or ended itself then; else internal. One that is stopped from outside or interrupted gives cancelled. The
+/// a signal or ended itself then, left a process behind or closed the pipe of its answer; else internal. Whatever a task
+/// started ends with it. One that is stopped from outside or interrupted gives cancelled. The
 /// calling process must have no other threads.
 std::vector<Result<std::string>> run_watched(const std::vector<WatchedTask>& tasks,
                                              const WorkerOptions& options, const WorkerEvents& events = {});

@@ -79,7 +79,7 @@ Result<Json> description_of(const fs::path& list, const fs::path& folder) {
   return json;
 }
 
-void describe_bench(Json& json, const RecordingBench& bench, const RigInfo& rig, const std::map<std::string, std::string>& settings) {
+void describe_bench(Json& json, const RecordingBench& bench, const RigInfo& rig, const std::map<std::string, std::string>& settings, std::size_t planned) {
   const auto sensor = rig.details.find("sensor");
   json["sensor"] = (sensor == rig.details.end() ? rig.id : sensor->second) + ", specimen " + bench.specimen;
   json["bench"] = {{"spring_N_per_mm", rig.geometry.spring_N_per_mm},
@@ -93,7 +93,8 @@ void describe_bench(Json& json, const RecordingBench& bench, const RigInfo& rig,
                            {"seed", bench.seed},
                            {"session", bench.session},
                            {"rate_Hz", rate_of_rows(rig.rate_Hz, bench.rate_Hz)},
-                           {"rig_rate_Hz", rig.rate_Hz}};
+                           {"rig_rate_Hz", rig.rate_Hz},
+                           {"planned_records", planned}};
   if (rig.name == "bench") json["recorded_with"]["rig_id"] = rig.id;
   if (!settings.empty()) json["recorded_with"]["rig_options"] = settings;
   json["records"] = Json::array();
@@ -193,7 +194,7 @@ Result<std::vector<RecordedFile>> record_profiles(const RecordingBench& bench,
   std::error_code error;
   const fs::path list = folder / "campaign.json";
   FORCEGATE_TRY(Json json, description_of(list, folder));
-  if (!json.contains("records")) describe_bench(json, bench, info, rig->settings());
+  if (!json.contains("records")) describe_bench(json, bench, info, rig->settings(), profiles.size());
   double campaign_s = 0.0;
   for (const Json& r : json["records"])
     campaign_s = std::max(campaign_s, r.value("start_s", 0.0) + r.value("duration_s", 0.0));

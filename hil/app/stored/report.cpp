@@ -6,7 +6,6 @@
 #include "hil/base/text.h"
 #include "hil/interface/reporter.h"
 #include "hil/report/console.h"
-#include "hil/report/result_json.h"
 
 namespace forcegate {
 
@@ -35,10 +34,7 @@ Result<ReportAnswer> render_report(const ReportRequest& request) {
                 near.empty() ? "choose one of: " + join(names, ", ") : "did you mean '" + near + "'?");
   }
   if (!request.overwrite) FORCEGATE_CHECK_OK(check_own_file(request.output, mark_of(kind->name)));
-  std::error_code ignored;
-  const bool folder = std::filesystem::is_directory(request.result, ignored);
-  FORCEGATE_CHECK_OK(check_result_unchanged(folder ? request.result : request.result.parent_path()));
-  FORCEGATE_TRY(RunResult result, read_result(folder ? request.result / "result.json" : request.result));
+  FORCEGATE_TRY(RunResult result, read_run(request.result));
   const bool painted = request.colour && kind->name == "console" && request.output.empty();
   ReportAnswer answer{painted ? render_console(result, {.colour = true}) : kind->render(result), {}};
   answer.result = std::move(result);

@@ -13,17 +13,9 @@
 #include "hil/base/plain_number.h"
 #include "hil/base/text.h"
 #include "hil/gate/statistics.h"
-#include "hil/report/result_json.h"
 
 namespace forcegate {
 namespace {
-
-Result<RunResult> read_run(const std::filesystem::path& path) {
-  std::error_code ignored;
-  const bool folder = std::filesystem::is_directory(path, ignored);
-  FORCEGATE_CHECK_OK(check_result_unchanged(folder ? path : path.parent_path()));
-  return read_result(folder ? path / "result.json" : path);
-}
 
 std::vector<std::string> named(std::vector<std::string> cases) {
   for (std::string& id : cases)

@@ -51,7 +51,7 @@ const Registration<Command> kRow{Command{
         "Injects every fault of reference, motor, spring, sensor, converter, clock, link and board into the emulated rig, "
         "one after the other, and gates a good build and a bad one on it. A row is wrong when the fault rejects the good "
         "build, accepts any build, goes unseen although it is large, or when the wrong party is blamed. Faults too small to "
-        "be seen may pass when they cannot tip a verdict.\n\nExit code 6 when a row is wrong: that is a defect of Forcegate.",
+        "be seen may pass when they cannot tip a verdict. First the sound rig must accept the good build, else exit code 2.\n\nExit code 6 when a row is wrong: that is a defect of Forcegate.",
     .positionals = {{.name = "FIRMWARE", .doc = "Known-good firmware image.", .names = Names::input}},
     .options = {{.name = "bad", .value_name = "FILE", .doc = "Image that a sound rig rejects.", .names = Names::input},
                 {.name = "runaway",

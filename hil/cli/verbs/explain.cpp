@@ -46,7 +46,8 @@ std::string line_after(const std::string& term, const std::string& kind) {
   }
   if (term == "NO-DECISION") return "forcegate plan --help";
   if (kind == "header") return "forcegate export --help";
-  return kind == "diagnosis" || kind == "side" || kind == "effect" ? "forcegate diagnose --help" : "forcegate report --help";
+  if (kind == "figure" && (term == "ratio" || term == "%GRR")) return "forcegate report --help";
+  return kind == "diagnosis" || kind == "figure" || kind == "form" || kind == "side" || kind == "effect" ? "forcegate diagnose --help" : "forcegate report --help";
 }
 
 // The terms of each kind on one line.
@@ -122,8 +123,8 @@ const Registration<Command> kRow{Command{
     .group = "House",
     .summary = "what a verdict, a decision, an effect or an exit code means and what to do about it",
     .description =
-        "Every word that a report uses for a verdict, a decision, a side or the one who must act, every exit code and every effect of the "
-        "library, in one sentence, with what to do next. Without TERM: all of them.",
+        "Every word that a report uses for a verdict, a decision, a side, a figure or the one who must act, every exit code and every effect of the "
+        "library with its forms, in one sentence, with what to do next. Without TERM: all of them.",
     .positionals = {{.name = "TERM",
                      .doc = "One of the terms above, in any case.",
                      .required = false,

@@ -4,6 +4,7 @@
 #include "hil/app/files/write_file.h"
 #include "hil/base/text.h"
 #include "hil/cli/command.h"
+#include "hil/cli/interrupt.h"
 #include "hil/cli/verbs/force_row.h"
 
 namespace forcegate {
@@ -24,6 +25,7 @@ Result<int> run(const Invocation& in) {
   request.controls = static_cast<int>(controls);
   request.others = static_cast<int>(others);
   request.journal = in.text("journal");
+  if (!request.journal.empty()) help_after_interrupt("what is finished is kept in " + printable_utf8(request.journal.string()) + ": the same command goes on from there");
   request.full = in.text("size") == "full";
   if (in.given("only")) request.only = split(in.text("only"), ',');
   const LeagueEngine engine = in.given("engine") ? command_engine(in.text("engine")) : built_in_engine();

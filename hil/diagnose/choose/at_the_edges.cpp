@@ -9,6 +9,7 @@
 #include "hil/base/parallel.h"
 #include "hil/diagnose/choose/refine.h"
 #include "hil/model/rows.h"
+#include "hil/model/states.h"
 
 namespace forcegate::diagnose {
 
@@ -156,6 +157,34 @@ class EdgesOfRecords {
   double samples_ = 0.0;
 };
 
+// What no form of the library is, and a lag all the same: the more poles share it, the nearer to a delay it comes.
+EffectForm chain_of(int poles, const EffectKind& lag) {
+  EffectForm out = *find_form(lag, "two_poles");
+  out.columns = [poles](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef column) {
+    std::vector<double> x = r.fast_F_N;
+    for (int pole = 0; pole < poles; ++pole) {
+      LowPass film(shape[0] / poles, x.front());
+      double before = x.front();
+      for (std::size_t k = 1; k < x.size(); ++k) {
+        const double now = x[k];
+        x[k] = film.step(before, now, r.fast_t_s[k] - r.fast_t_s[k - 1]);
+        before = now;
+      }
+    }
+    for (std::size_t k = 0; k < x.size(); ++k) column(static_cast<Eigen::Index>(k), 0) = r.decay[k] * (x[k] - r.fast_F_N[k]);
+  };
+  return out;
+}
+
+std::vector<EffectForm> forms_of(const EffectKind& kind) {
+  std::vector<EffectForm> out;
+  for (const EffectForm& form : kind.forms)
+    if (form.competes() && !form.bank && form.beside.empty()) out.push_back(form);
+  if (kind.name == "lag")
+    for (const int poles : {3, 4}) out.push_back(chain_of(poles, kind));
+  return out;
+}
+
 // Of all forms of a family that stand alone, at the best shape; each of the two measures at a shape of its own.
 Left least_left(const EdgesOfRecords& edges, const CampaignInput& campaign, const EffectKind& kind) {
   Left out;
@@ -163,8 +192,7 @@ Left least_left(const EdgesOfRecords& edges, const CampaignInput& campaign, cons
     out.as_it_is = std::min(out.as_it_is, left.as_it_is);
     out.less_noise = std::min(out.less_noise, left.less_noise);
   };
-  for (const EffectForm& form : kind.forms) {
-    if (!form.competes() || form.bank || !form.beside.empty()) continue;
+  for (const EffectForm& form : forms_of(kind)) {
     std::vector<double> best;
     Left least;
     for (const std::vector<double>& shape : form.grid(campaign)) {
@@ -194,7 +222,7 @@ std::vector<const EffectKind*> rivals_of(const ChosenEffect& chosen) {
 }  // namespace
 
 std::vector<std::string> beaten_at_the_edges(const Workspace& w, const Selection& selection, const SelectionRules& rules, unsigned threads) {
-  constexpr double kNats = 18.0;
+  constexpr double kNats = 12.0;
   if (rules.forms_are_rough || std::ranges::any_of(w.output.candidates, &Candidate::of_model)) return {};
   for (const ChosenEffect& chosen : selection.chosen) {
     const std::vector<const EffectKind*> kinds = rivals_of(chosen);

@@ -117,9 +117,19 @@ std::string residual() {
 std::string step(const std::string& prepare, const std::string& commit, const std::string& start, double reach, double step_s,
                  int iterations) {
   return fmt::format(
-      R"(/* One sample -> force in newtons. u_N = G U + F0. shrink: D, 1 without cyclic loading. floor_N: lowest settled u_N of the
-   cycling, any value while D is 1. temperature_C: read only where FG_COMP_NEEDS_TEMPERATURE is 1. */
+      R"(/* What may be computed with: no NaN, and nothing whose powers leave the range of a float. */
+static inline int fg_comp_is_number(float x) {{ return x > -1e9f && x < 1e9f; }}
+
+/* One sample -> force in newtons. u_N = G U + F0. shrink: D, 1 without cyclic loading. floor_N: lowest settled u_N of the
+   cycling, any number while D is 1. temperature_C: read only where FG_COMP_NEEDS_TEMPERATURE is 1.
+   A sample with an input that is no number (NaN, infinite), or with a shrink that is not above 0, is left out: the state stays as
+   it was but for the time, and the force of the sample before comes back (0 before the first). */
 static inline float fg_comp_step(FgComp* c, float u_N, float shrink, float floor_N, float temperature_C) {{
+  if (!fg_comp_is_number(u_N) || !fg_comp_is_number(shrink) || !(shrink > 0.0f) || !fg_comp_is_number(floor_N) ||
+      (FG_COMP_NEEDS_TEMPERATURE && !fg_comp_is_number(temperature_C))) {{
+    c->t_s = (float)++c->samples * {5};
+    return c->force_N;
+  }}
   c->u_N = u_N;
   c->shrink = shrink;
   c->low_N = floor_N - c->at_floor_N;

@@ -46,7 +46,8 @@ Result<void> Wire::open_terminal(const std::filesystem::path& link) {
   std::error_code error;
   std::filesystem::remove(link, error);
   std::filesystem::create_symlink(name, link, error);
-  if (error) return fail(ErrorCode::io, "cannot publish a port: " + error.message(), link.string());
+  if (error)
+    return fail(ErrorCode::io, "cannot publish a port: " + error.message(), link.string(), "name a folder that exists or can be made, and that you may write into (bench serve: --folder)");
   terminal_ = WireEnd{std::move(master), 0, 0, {}};
   unplugged_ = false;
   return {};

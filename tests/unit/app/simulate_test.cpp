@@ -73,6 +73,22 @@ TEST_F(Simulate, AModelInVoltsIsNotComparedWithCounts) {
   EXPECT_NE(done->notes.back().find("the model gives an output in V, and these records hold it in counts"), std::string::npos) << done->notes.back();
 }
 
+TEST_F(Simulate, AModelThatRunsAwayIsNamed) {
+  std::string text = "t_s,F_ref_N,U_V\n";
+  for (int i = 0; i < 20000; ++i) text += std::to_string(0.02 * i) + "," + std::to_string(1 + i % 50 * 0.05) + "," + std::to_string(2 + i % 50 * 0.1) + "\n";
+  CampaignRequest request;
+  request.campaign = put("film.csv", text);
+  request.model = put("m.toml",
+                      "format = 1\nname = \"x\"\n[law]\nkind = \"static\"\ngain_N_per_V = 0.5\n[[effect]]\nname = \"mine\"\noutput = \"k * x\"\n"
+                      "parameter.k = 0.05\nparameter.tau = -1\nstate.x = \"(F - x) / tau\"\n").string();
+  const auto made = simulate_request(request, folder_ / "out");
+  ASSERT_TRUE(made) << made.error().to_text();
+  ASSERT_EQ(made->notes.size(), 1u);
+  EXPECT_NE(made->notes.front().find("film: the model is at "), std::string::npos) << made->notes.front();
+  EXPECT_NE(made->notes.front().find("may run away"), std::string::npos) << made->notes.front();
+  EXPECT_EQ(simulation_text(*made).find("inf"), std::string::npos) << simulation_text(*made);
+}
+
 TEST_F(Simulate, AMapThatTakesTheOutputAwayIsNamed) {
   CampaignRequest request;
   request.campaign = put("film.csv", "t_s,F_ref_N,U_V\n0,1,2\n0.1,1.5,3\n0.2,1,2\n");

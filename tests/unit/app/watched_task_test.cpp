@@ -1,8 +1,10 @@
 #include "hil/app/play/watched_task.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -155,6 +157,61 @@ TEST(WatchedTask, an_image_that_hung_is_not_begun_again) {
   EXPECT_EQ(answers[2].value_or(""), "text");
   EXPECT_EQ(answers[4].value_or(""), "text");
   EXPECT_NE(answers[1].error().text.find("not played"), std::string::npos);
+}
+
+TEST(WatchedTask, an_image_that_leaves_a_process_is_told_at_once_and_the_process_ends) {
+  int alive[2];  // the process that is left holds the writing end
+  ASSERT_EQ(pipe(alive), 0);
+  const auto begin = std::chrono::steady_clock::now();
+  const auto left = in_child([&]() -> Result<std::string> {
+    const InFirmware marker(0);
+    if (fork() == 0) {
+      sleep(60);
+      _exit(0);
+    }
+    return std::string("good");
+  });
+  ASSERT_FALSE(left.has_value());
+  EXPECT_EQ(left.error().code, ErrorCode::firmware);
+  EXPECT_NE(left.error().text.find("leaves a process"), std::string::npos) << left.error().text;
+  close(alive[1]);
+  char byte = 0;
+  EXPECT_EQ(read(alive[0], &byte, 1), 0) << "it has ended";
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));
+  close(alive[0]);
+}
+
+TEST(WatchedTask, a_process_that_an_image_splits_off_gives_no_answer_of_its_own) {
+  const auto twice = in_child([]() -> Result<std::string> {
+    const InFirmware marker(0);
+    fork();
+    return std::string("good");
+  });
+  ASSERT_FALSE(twice.has_value());
+  EXPECT_NE(twice.error().text.find("leaves a process"), std::string::npos) << twice.error().text;
+}
+
+TEST(WatchedTask, an_image_that_closes_files_which_are_not_its_own_is_told_so) {
+  for (const bool reopened : {false, true}) {
+    const auto closed = in_child([reopened]() -> Result<std::string> {
+      const InFirmware marker(0);
+      for (int descriptor = 0; descriptor < 100; ++descriptor) close(descriptor);
+      for (int k = 0; reopened && k < 100; ++k)
+        if (open("/dev/null", O_RDWR) < 0) break;
+      return std::string("good");
+    });
+    ASSERT_FALSE(closed.has_value());
+    EXPECT_EQ(closed.error().code, ErrorCode::firmware) << closed.error().text;
+    EXPECT_NE(closed.error().text.find("closed a file"), std::string::npos) << closed.error().text;
+  }
+  const auto loops = in_child([]() -> Result<std::string> {
+    const InFirmware marker(0);
+    for (int descriptor = 0; descriptor < 100; ++descriptor) close(descriptor);
+    for (volatile bool forever = true; forever;) {
+    }
+    return std::string();
+  });
+  EXPECT_NE(loops.error().text.find("does not return"), std::string::npos) << loops.error().text;
 }
 
 TEST(WatchedTask, an_image_that_waits_is_ended_without_using_time) {

@@ -39,6 +39,13 @@ TEST_F(BenchDoctor, AReferenceWithoutAnyValidReadingIsBad) {
   EXPECT_THAT(faulty.remedy, HasSubstr("unload the sensor"));
 }
 
+TEST_F(BenchDoctor, AStreamFarFromItsDeclaredRateIsBad) {
+  EXPECT_EQ(far_from_declared(27, 0.1, 274), "");
+  EXPECT_EQ(far_from_declared(110, 0.1, 274), "") << "what an adapter had gathered";
+  EXPECT_EQ(far_from_declared(200000, 0.5, 0), "") << "none is declared";
+  EXPECT_EQ(far_from_declared(200000, 0.5, 274), ", and rate_Hz = 274 declares 137");
+}
+
 TEST_F(BenchDoctor, AnAngleOutsideTheTravelIsBad) {
   for (const char* scale : {"scale = -20860.756700940907", "scale = 1"}) {
     const BenchItem motor = item("motor", test::bench_text("twin.toml", {{"scale = 20860.756700940907", scale}}));

@@ -121,6 +121,19 @@ TEST_P(ProgramFault, OfAReferenceNeverShowsAWrongForce) {
   reference->close();
 }
 
+TEST(ProgramAdapter, AnAnswerUnderAnotherIdIsToldWithBoth) {
+  WallWorld world;
+  const auto reference = make_device<ReferenceKind>("reference", "wrong_id", world);
+  ASSERT_TRUE(reference->open());
+  ASSERT_TRUE(reference->start());
+  std::vector<ReferenceReading> readings;
+  Result<void> polled;
+  for (int i = 0; i < 6 && polled; ++i) polled = reference->poll(readings);
+  ASSERT_FALSE(polled);
+  EXPECT_NE(polled.error().text.find("answers 'poll' under the id 10"), std::string::npos) << polled.error().to_text();
+  reference->close();
+}
+
 TEST(ProgramAdapter, AForceThatChangedDuringASilenceIsNoJump) {
   WallWorld world;
   const auto reference = make_device<ReferenceKind>("reference", "gap", world);

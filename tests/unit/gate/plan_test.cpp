@@ -74,6 +74,11 @@ TEST(Plan, refuses_a_limit_without_its_source) {
   EXPECT_NE(error_of(kGood + "maxima_pct = 5\n").hint.find("limit_source"), std::string::npos);
 }
 
+TEST(Plan, refuses_an_output_limit_that_nothing_passes) {
+  EXPECT_NE(error_of(kGood + "[limits]\noutput_max_N = 0\n").text.find("passes no firmware"), std::string::npos);
+  EXPECT_TRUE(parse_plan(kGood + "[limits]\noutput_max_N = 8\n", "p.toml"));
+}
+
 TEST(Plan, refuses_the_promise_in_open_loop) {
   EXPECT_NE(error_of(with("[\"accuracy\"]", "[\"promise\"]")).text.find("closed loop"), std::string::npos);
 }

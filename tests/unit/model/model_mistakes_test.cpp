@@ -32,6 +32,25 @@ TEST(ModelMistakes, ABoundThatIsNoNumberHoldsNothing) {
   }
 }
 
+TEST(ModelMistakes, ANumberInQuotesAndBoundsInTheWrongOrderAreToldAsThat) {
+  for (const char* gain : {"\"0.5\"", "{ value = \"0.5\" }"}) {
+    const Error e = mistake("[law]\nkind = \"static\"\ngain_N_per_V = " + std::string(gain) + "\n");
+    EXPECT_EQ(e.text, "the value of gain_N_per_V is a text, \"0.5\"");
+    EXPECT_EQ(e.hint, "write the number without quotes");
+  }
+  const Error e = mistake("[law]\nkind = \"static\"\ngain_N_per_V = { value = 0.5, min = 1, max = 0.1 }\n");
+  EXPECT_NE(e.text.find("the bounds of gain_N_per_V are reversed: min = 1 is above max = 0.1"), std::string::npos) << e.to_text();
+}
+
+TEST(ModelMistakes, ALongEquationIsNotToldWhole) {
+  std::string sum = "k * F";
+  for (int i = 0; i < 20000; ++i) sum += "+k*F";
+  const auto model = parse_model(kLaw + "[[effect]]\nname = \"mine\"\noutput = \"" + sum + "\"\nparameter.k = 1\n", "m.toml");
+  ASSERT_FALSE(model);
+  EXPECT_LT(model.error().text.size(), 400u);
+  EXPECT_NE(model.error().text.find("(80005 characters)"), std::string::npos) << model.error().text;
+}
+
 TEST(ModelMistakes, AnEffectWithoutAValueIsToldByNameAndTime) {
   const auto model = parse_model(kLaw + "[[effect]]\nname = \"lag\"\nshape.tau_s = { value = 0.0, min = 0.0 }\nstrength.c = 0.5\n", "m.toml");
   ASSERT_TRUE(model) << model.error().to_text();

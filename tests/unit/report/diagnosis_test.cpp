@@ -53,6 +53,16 @@ TEST(DiagnosisPage, holds_every_picture_of_the_chain) {
     EXPECT_THAT(page, HasSubstr(text));
 }
 
+TEST(DiagnosisPage, says_how_many_records_it_draws_and_gives_nothing_a_sign) {
+  Diagnosis d = sample::diagnosis();
+  ASSERT_GT(d.records.size(), 1u);
+  d.overlays.resize(1);
+  d.ranking[0].score = -0.04, d.ranking[0].null_score = -0.06;
+  const std::string page = diagnosis_html(d, {});
+  EXPECT_THAT(page, HasSubstr("Measured and modelled output of 1 of " + std::to_string(d.records.size()) + " records<"));
+  EXPECT_THAT(page, AllOf(Not(HasSubstr("\u22120.0<")), HasSubstr("\u22120.1<")));
+}
+
 TEST(DiagnosisPage, names_no_error_held_out_where_the_whole_recording_judged) {
   Diagnosis d = sample::diagnosis();
   d.judged_by = JudgedBy::whole;

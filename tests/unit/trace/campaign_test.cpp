@@ -14,6 +14,7 @@ namespace {
 using ::testing::Contains;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
+using ::testing::Not;
 namespace fs = std::filesystem;
 
 class ReadCampaign : public FolderTest {
@@ -140,6 +141,31 @@ TEST_F(ReadCampaign, AsksWhatAMistypedKeyMeans) {
   for (const char* meant : {"sensor", "voltage_range_V", "start_s", "excitation_start_s"})
     EXPECT_THAT(c->notes, Contains(HasSubstr(std::string("did you mean \"") + meant + "\"?")));
   for (const char* fine : {"colour", "x_N", "operator", "temp"}) EXPECT_THAT(c->notes, ::testing::Not(Contains(HasSubstr(std::string("the key \"") + fine)))) << fine;
+}
+
+TEST_F(ReadCampaign, SaysThatARecordingWasCutShort) {
+  put("r1.csv", kCsv);
+  const std::string text = R"({"recorded_with": {"rig": "emulated", "planned_records": 3}, "records": [{"file": "r1.csv"}]})";
+  put("campaign.json", text);
+  EXPECT_THAT(read_campaign(folder_)->notes, Contains(HasSubstr("1 of the 3 records that were planned is there")));
+  put("campaign.json", std::string(text).replace(text.find("3}"), 1, "1"));
+  EXPECT_THAT(read_campaign(folder_)->notes, Not(Contains(HasSubstr("planned"))));
+}
+
+TEST_F(ReadCampaign, NotesWhatNoBenchHasAndKeysThatAreGivenTwice) {
+  put("r1.csv", kCsv);
+  put("campaign.json", R"({"sensor": "a", "sensor": "b", "records": [{"file": "r1.csv", "drive_V": -5, "excitation_start_s": -1e9, "preload_mm": 1e300, "A_N": 1, "A_N": 2}]})");
+  const auto c = read_campaign(folder_);
+  ASSERT_TRUE(c) << c.error().to_text();
+  EXPECT_THAT(c->notes, Contains(HasSubstr("has the key \"sensor\" twice")));
+  EXPECT_THAT(c->notes, Contains(HasSubstr("has the key \"A_N\" twice")));
+  for (const char* fact : {"drive_V = -5 V", "excitation_start_s = -1e+09 s", "preload_mm = 1e+300 mm"}) EXPECT_THAT(c->notes, Contains(HasSubstr(fact)));
+  for (const char* wrong : {R"("A_N": -1)", R"("f_min_Hz": 0)"}) {
+    put("campaign.json", "{\"records\": [{\"file\": \"r1.csv\", " + std::string(wrong) + "}]}");
+    EXPECT_THAT(refusal().hint, HasSubstr("leave it out"));
+  }
+  put("campaign.json", R"({"bench": {"voltage_range_V": [10, 0]}, "records": [{"file": "r1.csv"}]})");
+  EXPECT_THAT(refusal().hint, HasSubstr("the lower end first"));
 }
 
 TEST_F(ReadCampaign, TakesASingleCsv) {

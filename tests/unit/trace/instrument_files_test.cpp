@@ -5,7 +5,9 @@
 
 #include "hil/base/units.h"
 #include "hil/trace/campaign.h"
+#include "hil/trace/columns.h"
 #include "hil/trace/csv.h"
+#include "hil/trace/csv_hints.h"
 #include "tests/support/folder_test.h"
 #include "tests/unit/trace/read_csv.h"
 
@@ -69,7 +71,7 @@ TEST(InstrumentFiles, WordsBelowTheNamesAreToldAndLinesStillCounted) {
 
 TEST(InstrumentFiles, WhereNoClockIsKnownTheColumnsOfTextAreNamed) {
   EXPECT_THAT(refusal("DateTime,Force_N,Vout_V\n11/20/2026 10:00:00.000 AM,1,2\n11/20/2026 10:00:01.000 AM,2,3\n"),
-              AllOf(HasSubstr("DateTime (\"11/20/2026 10:00:00.000 AM\")"), HasSubstr("which number is the month is not told by 11/20/2026"), HasSubstr("2024-05-31T10:31:07")));
+              AllOf(HasSubstr("DateTime (\"11/20/2026 10:00:00.000 AM\")"), HasSubstr("which number is the month is told by 11/20/2026, the first, but not by every date of this form"), HasSubstr("2024-05-31T10:31:07")));
   EXPECT_THAT(refusal("DateTime,Force_N,Vout_V\n11/20/2026 10:00:00.000 AM,1,2\n11/20/2026 10:00:01.000 AM,2,3\n", {{{"DateTime", "t_s"}}, 0.0}),
               HasSubstr("which number is the month"));
   EXPECT_THAT(refusal("X,CH1,Begin,Step\nSequence,VOLT,0,0.02\n0,1,,\n"), AllOf(HasSubstr("X (\"Sequence\"), CH1 (\"VOLT\")"), HasSubstr("if line 2 is no row, take it out")));
@@ -119,6 +121,72 @@ TEST(InstrumentFiles, UnitsInBracketsMayStandInQuotes) {
     ASSERT_NE(f.trace.find("F_ref"), nullptr) << units;
     EXPECT_THAT(f.trace.find("F_ref")->value, ElementsAre(1.5, 1.6));
   }
+}
+
+TEST(InstrumentFiles, AnHourThatIsSkippedAtNightIsThatOfSummerTime) {
+  const auto skips = [](const std::string& from, const std::string& to, const std::string& zone = "") {
+    std::string rows = "time,Force_N,U_V\n";
+    for (int i = 0; i < 80; ++i) {
+      const int s = i < 40 ? 20 + i : i - 40;
+      rows += (i < 40 ? from : to) + (s < 10 ? "0" : "") + std::to_string(s) + zone + ",1," + std::to_string(i) + "\n";
+    }
+    return rows;
+  };
+  const std::string hour = refusal(skips("2026-03-29T01:59:", "2026-03-29T03:00:"));
+  EXPECT_THAT(hour, AllOf(HasSubstr("skips an hour, from 2026-03-29T01:59:59.000 to 2026-03-29T03:00:00.000"), HasSubstr("x.csv:42"), HasSubstr("beginning of summer time")));
+  EXPECT_THAT(refusal(skips("01:59:", "03:00:")), HasSubstr("summer time"));
+  read(skips("2026-03-29T01:59:", "2026-03-29T03:00:", "Z"));  // a pause: its stamps tell their zone
+  read(skips("2026-03-28T01:59:", "2026-03-28T03:00:"));       // a Saturday
+  read(skips("2026-03-29T09:59:", "2026-03-29T11:00:"));       // by day
+  read(skips("2026-03-29T00:59:", "2026-03-29T03:00:"));       // two hours
+}
+
+TEST(InstrumentFiles, StampsHaveAZoneAllOfThemOrNone) {
+  const std::string rows = "time,Force_N,U_V\n2026-03-01T10:00:00Z,1,2\n2026-03-01T10:00:01+00:00,1,3\n";
+  read(rows);
+  EXPECT_THAT(refusal(rows + "2026-03-01T10:00:02,1,3\n"), AllOf(HasSubstr("has no zone, and the stamps above it have one"), HasSubstr("x.csv:4:1")));
+  EXPECT_THAT(refusal("time,Force_N,U_V\n2026-03-01T10:00:00,1,2\n2026-03-01T10:00:01Z,1,3\n"), HasSubstr("has a zone, and the stamps above it have none"));
+}
+
+TEST(InstrumentFiles, ATimeThatDoesNotExistIsNoStamp) {
+  for (const char* stamp : {"2025-02-31T12:00:00", "2025-02-29 12:00:00", "31.04.2025 12:00:00", "2025-03-01T12:60:00", "12:00:61.000", "24:00:00.000"})
+    EXPECT_THAT(refusal("time,Force_N,U_V\n" + std::string(stamp) + ",1,2\n2026-01-01T00:00:01,1,2\n"), AllOf(HasSubstr(stamp), HasSubstr("there is no such time"))) << stamp;
+  EXPECT_THAT(refusal("time,Force_N,U_V\n2025-02-28 12:00:00,1,2\n2025-02-31 12:00:00,1,2\n"), AllOf(HasSubstr("x.csv:3:1"), HasSubstr("there is no such time")));
+  read("time,Force_N,U_V\n2024-02-29 12:00:00,1,2\n2024-02-29 12:00:01,1,2\n");
+}
+
+TEST(InstrumentFiles, SwappedNeighboursAreSortedAndAFileFromItsEndIsNot) {
+  std::string swapped = "t_s,Force_N,U_V\n", backwards = swapped;
+  for (int i = 0; i < 40; ++i) swapped += std::to_string(i ^ 1) + ",1," + std::to_string(i) + "\n", backwards += std::to_string(40 - i) + ",1,2\n";
+  EXPECT_THAT(read(swapped).notes, Contains("20 rows were out of order; sorted by time"));
+  EXPECT_THAT(refusal(backwards), HasSubstr("the clock runs backwards, from 40 s down to 1 s"));
+}
+
+TEST(InstrumentFiles, NamesThatDifferInCapitalsAloneAreProposed) {
+  EXPECT_THAT(refusal("T_S,f_ref_n,u_v\n0,1,2\n0.05,1.2,3\n0.15,1,2\n"), HasSubstr("--map T_S=t_s --map f_ref_n=F_ref_N --map u_v=U_V"));
+  EXPECT_EQ(meant_but_for_capitals("U_V"), "");
+  EXPECT_EQ(meant_but_for_capitals("sensor"), "");
+}
+
+TEST(InstrumentFiles, TheDateThatTellsItsMonthIsWrittenAsItIsRead) {
+  EXPECT_THAT(hint_for_cell("3/14/2025 11:55:00 AM", '.'), AllOf(HasSubstr("is told by 3/14/2025, the first"), HasSubstr("2025-03-14")));
+  EXPECT_THAT(hint_for_cell("14/3/2025 11:55:00", '.'), AllOf(HasSubstr("the second"), HasSubstr("2025-03-14")));
+  EXPECT_THAT(hint_for_cell("03/04/2025", '.'), HasSubstr("is not told by 03/04/2025"));
+}
+
+TEST(InstrumentFiles, AnotherSeparatorAndASurplusCellAreToldAsWhatTheyAre) {
+  const std::string head = "t_s,F_ref_N,U_V\n0.00,1.1,2.0\n0.05,1.2,2.1\n";
+  EXPECT_THAT(refusal(head + "0.10;1.3;2.2\n"), AllOf(HasSubstr("parted by a semicolon, those above it by a comma"), HasSubstr("x.csv:4")));
+  EXPECT_THAT(refusal("t_s;F_ref_N;U_V\n0.00,1.1,2.0\n"), HasSubstr("parted by a comma, those above it by a semicolon"));
+  EXPECT_THAT(refusal(head + "0.10,1.3,2.2,7.0,8.0\n"), AllOf(HasSubstr("one cell for each column"), Not(HasSubstr("decimal commas"))));
+  EXPECT_THAT(refusal(head + "0,10,1,3,2,2\n"), HasSubstr("decimal commas"));
+  EXPECT_THAT(refusal(head + "t_s,load,note\n0,1,2\n"), HasSubstr("where another table begins"));
+}
+
+TEST(InstrumentFiles, AWordForNoValueIsNoSizeOfTheOutput) {
+  std::string rows = "t_s,F_ref_N,U_V\n";
+  for (int i = 0; i < 400; ++i) rows += std::to_string(0.05 * i) + ",1," + (i % 40 == 0 ? "-9999" : std::to_string(2.0 + 0.001 * i)) + "\n";
+  EXPECT_THAT(read(rows).notes, Not(Contains(HasSubstr("U_mV"))));
 }
 
 TEST(InstrumentFiles, AClockThatGoesBackAnHourIsToldInItsStamps) {
