@@ -67,9 +67,9 @@ struct Sums {
   MatrixXd signal, noise;  // (1 + columns + 1)^2 of base, columns and output; (1 + columns)^2 of what the reference's noise makes of them
 };
 
-/// What a form leaves of all windows, V^2: as it is, and less what the noise of the reference leaves.
+/// What a form leaves of all windows, V^2: as it is, less what the noise of the reference leaves, and as it is at any strength.
 struct Left {
-  double as_it_is = std::numeric_limits<double>::infinity(), less_noise = as_it_is;
+  double as_it_is = std::numeric_limits<double>::infinity(), less_noise = as_it_is, at_any_strength = as_it_is;
 };
 
 class EdgesOfRecords {
@@ -136,17 +136,26 @@ class EdgesOfRecords {
     const auto slope = [&](const Sums& s) { return (s.signal(0, n + 1) - s.signal.row(0).segment(1, n).dot(c)) / s.signal(0, 0); };
     double mean = 0.0;
     for (const Sums& s : sums) mean += slope(s) / static_cast<double>(sums.size());
+    const auto left = [&] {
+      double out = 0.0;
+      for (const Sums& s : sums) {
+        VectorXd x(n + 2);
+        x << slope(s), c, -1.0;
+        out += x.dot(s.signal * x);
+      }
+      return out;
+    };
+    Left out;
+    out.at_any_strength = left();
     const double share = c.sum() / mean, allowed = std::clamp(share, std::max(form.least, 0.0), form.most);
-    if (!std::isfinite(share) || share <= 0.0) return {};
+    if (!std::isfinite(share) || share <= 0.0) return out;
     c *= allowed / share;
-    Left out{0.0, 0.0};
+    out.as_it_is = out.less_noise = left();
     for (const Sums& s : sums) {
-      VectorXd x(n + 2);
-      x << slope(s), c, -1.0;
-      out.as_it_is += x.dot(s.signal * x);
-      out.less_noise -= x.head(n + 1).dot(s.noise * x.head(n + 1));
+      VectorXd x(n + 1);
+      x << slope(s), c;
+      out.less_noise -= x.dot(s.noise * x);
     }
-    out.less_noise += out.as_it_is;
     return out;
   }
 
@@ -180,6 +189,9 @@ std::vector<EffectForm> forms_of(const EffectKind& kind) {
   std::vector<EffectForm> out;
   for (const EffectForm& form : kind.forms)
     if (form.competes() && !form.bank && form.beside.empty()) out.push_back(form);
+  // a delay of a part of the signal beside the rest is a lag of two steps
+  if (kind.traits.known_form)
+    for (EffectForm& form : out) form.least = form.most = 1.0;
   if (kind.name == "lag")
     for (const int poles : {3, 4}) out.push_back(chain_of(poles, kind));
   return out;
@@ -191,6 +203,7 @@ Left least_left(const EdgesOfRecords& edges, const CampaignInput& campaign, cons
   const auto see = [&](const Left& left) {
     out.as_it_is = std::min(out.as_it_is, left.as_it_is);
     out.less_noise = std::min(out.less_noise, left.less_noise);
+    out.at_any_strength = std::min(out.at_any_strength, left.at_any_strength);
   };
   for (const EffectForm& form : forms_of(kind)) {
     std::vector<double> best;
@@ -234,6 +247,9 @@ std::vector<std::string> beaten_at_the_edges(const Workspace& w, const Selection
     const auto best = std::ranges::min_element(left, {}, &Left::less_noise);
     if (!(best->as_it_is > 0.0) || !std::isfinite(best->as_it_is)) continue;
     const double nat = 2.0 * kSamplesOfOne * best->as_it_is / edges.samples();  // V^2
+    // where none of them describes the edges, which one comes nearest says nothing
+    const double any = std::ranges::min_element(left, {}, &Left::at_any_strength)->at_any_strength;
+    if (best->as_it_is - any > kNats * nat) continue;
     std::vector<std::string> out;
     for (std::size_t k = 0; k < kinds.size(); ++k)
       if (std::min(left[k].less_noise - best->less_noise, left[k].as_it_is - best->as_it_is) > kNats * nat) out.push_back(kinds[k]->name);

@@ -4,8 +4,9 @@
 //
 //   U = o_w + b_i D F + S c     within a window w of record i, S the form's columns at a shape, c one for all records
 //
-// at the shape that leaves least. What the noise of the reference leaves differs between them, since a lag smooths it and a delay does not: it is
-// taken off, and a family loses where it does with and without.
+// at the shape that leaves least, c within what the form may have. What the noise of the reference leaves differs between them, since a lag smooths
+// it and a delay does not: it is taken off, and a family loses where it does with and without. Where any other c describes the edges better than the
+// best of them, something else is at work there, and nothing is said.
 
 #include <string>
 #include <vector>

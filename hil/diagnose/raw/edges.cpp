@@ -25,6 +25,18 @@ std::vector<double> turn_of(const std::vector<double>& F) {
   return out;
 }
 
+// Whether every other sample tells the ones between: an edge within a sample or two ran some way that nobody saw.
+bool is_resolved(const std::vector<double>& F, std::size_t begin, std::size_t end, double noise_F_N) {
+  constexpr double kUntold = 0.12, kOfNoise = 2.5;  // of the square of the differences; what the cubic makes of a variance is 1.6
+  double untold = 0.0, differences = 0.0;
+  for (std::size_t k = begin + 3; k + 3 < end; ++k) {
+    const double told = (9.0 * (F[k - 1] + F[k + 1]) - (F[k - 3] + F[k + 3])) / 16.0, step = F[k + 1] - F[k];
+    untold += (F[k] - told) * (F[k] - told);
+    differences += step * step;
+  }
+  return untold < kUntold * differences + kOfNoise * noise_F_N * noise_F_N * static_cast<double>(end - begin);
+}
+
 double median_step_of(const std::vector<double>& t) {
   std::vector<double> steps(t.size() - 1);
   for (std::size_t i = 0; i < steps.size(); ++i) steps[i] = t[i + 1] - t[i];
@@ -78,7 +90,7 @@ Edges edges_of(const Record& record, const RecordHealth& health, std::span<const
     if (is_taken[i] != 0) continue;
     const std::size_t begin = i - std::min(i, 2 * half), end = std::min(t.size(), i + 2 * half + 1);
     std::fill(is_taken.begin() + static_cast<std::ptrdiff_t>(begin), is_taken.begin() + static_cast<std::ptrdiff_t>(end), std::uint8_t{1});
-    if (whole.is_whole(i - half - run_up, i + half + 1)) middles.push_back(i);
+    if (whole.is_whole(i - half - run_up, i + half + 1) && is_resolved(F->value, i - half, i + half + 1, out.noise_F_N)) middles.push_back(i);
   }
   std::ranges::sort(middles);
   std::size_t next = 0;  // sample that is not kept yet

@@ -25,8 +25,8 @@ struct Edges {
   bool empty() const { return windows.empty(); }
 };
 
-/// At most 40 windows of 60 ms or 17 samples, whichever is longer, in which the force turns by more than its noise does, all samples are
-/// there and none is one of `bad` (BadSample, of every sample). Empty where force and output have clocks of their own.
+/// At most 40 windows of 60 ms or 17 samples, whichever is longer, in which the force turns by more than its noise does and no faster than its samples
+/// tell, all samples are there and none is one of `bad` (BadSample, of every sample). Empty where force and output have clocks of their own.
 Edges edges_of(const Record& record, const RecordHealth& health, std::span<const std::uint8_t> bad);
 
 }  // namespace forcegate::diagnose
