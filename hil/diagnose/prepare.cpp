@@ -223,10 +223,12 @@ std::vector<PreparedRecord> prepare_records(Campaign& campaign, const HealthScal
   const RowParts parts{.full_rate = true, .angle = options.search || !options.in_model.empty()};
   parallel_for_largest_first(sample_counts(campaign), options.threads, [&](std::size_t k) {
     Record& record = campaign.records[k];
+    const Channel* force = options.search ? record.trace.find("F_ref") : nullptr;
+    const std::vector<double> recorded_N = force != nullptr ? force->value : std::vector<double>();
     CleanedSamples cleaned = clean_samples(record, scales, campaign.bench, options.pictures);
     out[k].health = std::move(cleaned.health);
     out[k].cuts = std::move(cleaned.cuts);
-    if (options.search) out[k].edges = edges_of(record, out[k].health, out[k].health.bad);
+    if (options.search) out[k].edges = edges_of(record, recorded_N, out[k].health, out[k].health.bad);
     out[k].input = take_record_input(record, out[k].health.bad, row_step_s, parts);
     out[k].why_unusable = why_unusable(record, out[k].health);
     record.trace = Trace{};

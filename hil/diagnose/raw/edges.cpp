@@ -63,26 +63,26 @@ class WholeStretches {
 
 }  // namespace
 
-Edges edges_of(const Record& record, const RecordHealth& health, std::span<const std::uint8_t> bad) {
+Edges edges_of(const Record& record, const std::vector<double>& recorded_N, const RecordHealth& health, std::span<const std::uint8_t> bad) {
   constexpr double kAboveNoise = 9.0, kOfNoise = 20.0 / 9.0;  // energy; five times the 4/9 that differences of means leave of a variance
   Edges out;
   const Channel *F = record.trace.find("F_ref"), *U = record.trace.find("U");
   if (F == nullptr || U == nullptr || F->time_base != U->time_base) return out;
   const std::vector<double>& t = record.trace.time_bases[F->time_base].t_s;
-  if (t.size() < 4 * kFewestOfHalf || F->value.size() != t.size() || U->value.size() != t.size()) return out;
+  if (t.size() < 4 * kFewestOfHalf || recorded_N.size() != t.size() || U->value.size() != t.size()) return out;
   const double step_s = median_step_of(t);
   if (!(step_s > 0.0)) return out;
   const auto samples = [&](double s, std::size_t least, std::size_t most) { return std::clamp(static_cast<std::size_t>(std::lround(s / step_s)), least, most); };
   const std::size_t half = samples(kHalf_s, kFewestOfHalf, kMostOfHalf), run_up = samples(kRunUp_s, 2 * kFewestOfHalf, kMostOfRunUp);
   out.noise_F_N = std::hypot(health.noise_F_N, health.lsb_F_N / std::sqrt(12.0));
 
-  const std::vector<double> turn = turn_of(F->value);
+  const std::vector<double> turn = turn_of(recorded_N);
   std::vector<std::size_t> order(t.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   const double least = kAboveNoise * kOfNoise * out.noise_F_N * out.noise_F_N;
   std::erase_if(order, [&](std::size_t i) { return !(turn[i] > least) || i < run_up + half || i + half + 1 > t.size(); });
   std::ranges::stable_sort(order, std::greater<>(), [&](std::size_t i) { return turn[i]; });
-  const WholeStretches whole(t, F->value, U->value, bad, step_s);
+  const WholeStretches whole(t, recorded_N, U->value, bad, step_s);
   std::vector<std::size_t> middles;
   std::vector<std::uint8_t> is_taken(t.size(), 0);
   for (const std::size_t i : order) {
@@ -90,7 +90,7 @@ Edges edges_of(const Record& record, const RecordHealth& health, std::span<const
     if (is_taken[i] != 0) continue;
     const std::size_t begin = i - std::min(i, 2 * half), end = std::min(t.size(), i + 2 * half + 1);
     std::fill(is_taken.begin() + static_cast<std::ptrdiff_t>(begin), is_taken.begin() + static_cast<std::ptrdiff_t>(end), std::uint8_t{1});
-    if (whole.is_whole(i - half - run_up, i + half + 1) && is_resolved(F->value, i - half, i + half + 1, out.noise_F_N)) middles.push_back(i);
+    if (whole.is_whole(i - half - run_up, i + half + 1) && is_resolved(recorded_N, i - half, i + half + 1, out.noise_F_N)) middles.push_back(i);
   }
   std::ranges::sort(middles);
   std::size_t next = 0;  // sample that is not kept yet
@@ -98,7 +98,7 @@ Edges edges_of(const Record& record, const RecordHealth& health, std::span<const
     for (std::size_t k = std::max(next, i - half - run_up); k < i + half + 1; ++k) {
       out.sample.push_back(static_cast<std::uint32_t>(k));
       out.t_s.push_back(t[k] - t.front());
-      out.F_N.push_back(F->value[k]);
+      out.F_N.push_back(recorded_N[k]);
       out.U_V.push_back(U->value[k]);
     }
     next = i + half + 1;

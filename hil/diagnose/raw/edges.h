@@ -26,7 +26,8 @@ struct Edges {
 };
 
 /// At most 40 windows of 60 ms or 17 samples, whichever is longer, in which the force turns by more than its noise does and no faster than its samples
-/// tell, all samples are there and none is one of `bad` (BadSample, of every sample). Empty where force and output have clocks of their own.
-Edges edges_of(const Record& record, const RecordHealth& health, std::span<const std::uint8_t> bad);
+/// tell, all samples are there and none is one of `bad` (BadSample, of every sample). `recorded_N`: the force before any smoothing, which would make of a
+/// lag a delay. Empty where force and output have clocks of their own.
+Edges edges_of(const Record& record, const std::vector<double>& recorded_N, const RecordHealth& health, std::span<const std::uint8_t> bad);
 
 }  // namespace forcegate::diagnose

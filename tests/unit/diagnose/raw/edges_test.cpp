@@ -36,8 +36,13 @@ RecordHealth quiet() {
   return out;
 }
 
+Edges edges_in(const Record& record, const RecordHealth& health, std::span<const std::uint8_t> bad) {
+  const Channel* force = record.trace.find("F_ref");
+  return edges_of(record, force != nullptr ? force->value : std::vector<double>(), health, bad);
+}
+
 TEST(Edges, AreWhereTheForceStepsWithARunUpBeforeEach) {
-  const Edges edges = edges_of(steps(), quiet(), {});
+  const Edges edges = edges_in(steps(), quiet(), {});
   EXPECT_GE(edges.windows.size(), 19u);
   ASSERT_EQ(edges.t_s.size(), edges.sample.size());
   ASSERT_EQ(edges.F_N.size(), edges.U_V.size());
@@ -56,13 +61,13 @@ TEST(Edges, AreWhereTheForceStepsWithARunUpBeforeEach) {
 }
 
 // What the force did within one sample nobody saw.
-TEST(Edges, FasterThanTheSamplesAreNone) { EXPECT_TRUE(edges_of(steps(1.0), quiet(), {}).empty()); }
+TEST(Edges, FasterThanTheSamplesAreNone) { EXPECT_TRUE(edges_in(steps(1.0), quiet(), {}).empty()); }
 
 TEST(Edges, NoiseAloneHasNone) {
   Record still = steps();
   Rng rng(9, "still");
   for (double& f : still.trace.find("F_ref")->value) f = 1.0 + 0.005 * rng.normal();
-  EXPECT_TRUE(edges_of(still, quiet(), {}).empty());
+  EXPECT_TRUE(edges_in(still, quiet(), {}).empty());
 }
 
 TEST(Edges, StandNeitherOverBadSamplesNorOverGapsOrMissingOnes) {
@@ -72,21 +77,30 @@ TEST(Edges, StandNeitherOverBadSamplesNorOverGapsOrMissingOnes) {
   record.trace.find("F_ref")->value[2 * kEvery - 5] = std::nan("");
   record.trace.find("U")->value[3 * kEvery + 1] = std::nan("");
   for (std::size_t i = 4 * kEvery + 1; i < 8000; ++i) record.trace.time_bases.front().t_s[i] += 0.2;
-  const Edges edges = edges_of(record, quiet(), bad);
+  const Edges edges = edges_in(record, quiet(), bad);
   EXPECT_FALSE(edges.empty());
   for (const Edges::Window& w : edges.windows) EXPECT_GT(edges.sample[w.begin], 4u * kEvery);
+}
+
+TEST(Edges, HaveTheForceAsItWasRecorded) {
+  Record record = steps();
+  std::vector<double> recorded = record.trace.find("F_ref")->value;
+  for (double& f : record.trace.find("F_ref")->value) f = 1.5;
+  const Edges edges = edges_of(record, recorded, quiet(), {});
+  ASSERT_FALSE(edges.empty());
+  for (std::size_t k = 0; k < edges.sample.size(); ++k) EXPECT_EQ(edges.F_N[k], recorded[edges.sample[k]]);
 }
 
 TEST(Edges, OfTwoClocksAndOfAFewSamplesThereAreNone) {
   Record two = steps();
   two.trace.time_bases.push_back(two.trace.time_bases.front());
   two.trace.find("U")->time_base = 1;
-  EXPECT_TRUE(edges_of(two, quiet(), {}).empty());
+  EXPECT_TRUE(edges_in(two, quiet(), {}).empty());
   Record few = steps();
   few.trace.time_bases.front().t_s.resize(20);
   for (Channel& c : few.trace.channels) c.value.resize(20);
-  EXPECT_TRUE(edges_of(few, quiet(), {}).empty());
-  EXPECT_TRUE(edges_of(Record{}, quiet(), {}).empty());
+  EXPECT_TRUE(edges_in(few, quiet(), {}).empty());
+  EXPECT_TRUE(edges_in(Record{}, quiet(), {}).empty());
 }
 
 }  // namespace
