@@ -108,8 +108,6 @@ Result<Diagnosed> behind_curve(const EngineOptions& options, const DiagnoseRows&
   Diagnosis& answer = out.diagnosis;
   if (!(answer.error_after < kHelps * before.error_after)) return first;
   Finding curve = *claimed_curve(before);
-  curve.error_before = before.error_before;
-  curve.error_after = answer.error_before;
   for (Finding& f : answer.findings)
     if (f.effect == "delay" && f.claimed() && f.of_output()) f.form = kBehindCurve;
   if (!answer.steps.empty()) {
