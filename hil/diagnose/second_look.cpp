@@ -60,11 +60,11 @@ Result<Diagnosed> behind_late_output(CampaignRows rows, const EngineOptions& opt
   delay_force(rows.input, late.delay_s);
   rows.edges.clear();
   leave_out_drive(rows.input);
-  FORCEGATE_TRY(Diagnosed out, diagnose(std::move(rows), options));
+  Result<Diagnosed> out = diagnose(std::move(rows), options);
   const Diagnosis& before = first.diagnosis;
-  Diagnosis& answer = out.diagnosis;
-  if (kind == nullptr || !(answer.error_after < kHelps * before.error_after)) return first;
-  Finding delay = finding_about(*kind, out.workspace->output);
+  if (!out || kind == nullptr || !(out->diagnosis.error_after < kHelps * before.error_after)) return first;
+  Diagnosis& answer = out->diagnosis;
+  Finding delay = finding_about(*kind, out->workspace->output);
   delay.form = kBehindLag;
   delay.probability = kSure;
   delay.parameters.push_back({"delay_s", late.delay_s, late.u_s, "s"});
@@ -103,10 +103,10 @@ Result<Diagnosed> behind_curve(const EngineOptions& options, const DiagnoseRows&
   for (Edges& edges : rows.edges)
     for (double& F : edges.F_N) F = bend.at(F);
   leave_out_drive(rows.input);
-  FORCEGATE_TRY(Diagnosed out, diagnose(std::move(rows), options));
+  Result<Diagnosed> out = diagnose(std::move(rows), options);
   const Diagnosis& before = first.diagnosis;
-  Diagnosis& answer = out.diagnosis;
-  if (!(answer.error_after < kHelps * before.error_after)) return first;
+  if (!out || !(out->diagnosis.error_after < kHelps * before.error_after)) return first;
+  Diagnosis& answer = out->diagnosis;
   Finding curve = *claimed_curve(before);
   for (Finding& f : answer.findings)
     if (f.effect == "delay" && f.claimed() && f.of_output()) f.form = kBehindCurve;
