@@ -48,11 +48,6 @@ void tell_once(std::vector<std::string>& notes) {
   notes = std::move(once);
 }
 
-bool is_timing(const Finding& f) {
-  const EffectKind* kind = EffectRegistry::instance().find(f.effect);
-  return kind != nullptr && kind->traits.timing;
-}
-
 // The model's lag, and what is called for by it, with the output so much later than the force.
 Result<Diagnosed> behind_late_output(CampaignRows rows, const EngineOptions& options, const DiagnoseRows& diagnose, const LateOutput& late, Diagnosed first) {
   constexpr double kSure = 0.9;
@@ -90,7 +85,7 @@ std::optional<Bend> bend_to_ask(const Diagnosed& of) {
   const Diagnosis& d = of.diagnosis;
   const Finding* curve = claimed_curve(d);
   if (curve == nullptr) return std::nullopt;
-  const bool is_late = std::ranges::any_of(d.findings, [](const Finding& f) { return f.claimed() && f.of_output() && is_timing(f); });
+  const bool is_late = std::ranges::any_of(d.findings, [](const Finding& f) { return f.claimed() && f.of_output() && is_timing(f.effect); });
   if (!is_late && !(d.error_after > kToItsNoise * d.floor)) return std::nullopt;
   std::optional<Bend> bend = bend_of(of.workspace->input, *curve);
   return bend && bend->slope_ratio > kBentMuch ? bend : std::nullopt;

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <random>
 
 #include "hil/base/parallel.h"
+#include "hil/base/rng.h"
 #include "hil/diagnose/choose/refine.h"
 #include "hil/model/rows.h"
 #include "hil/model/states.h"
@@ -75,15 +75,14 @@ struct Left {
 class EdgesOfRecords {
  public:
   EdgesOfRecords(const Workspace& w, unsigned threads) : w_(w), threads_(threads) {
-    std::mt19937_64 random(1);
+    Rng noise(1, "noise of the reference at the edges");
     for (std::size_t k = 0; k < w.edges.size(); ++k) {
       const Edges& edges = w.edges[k];
       if (edges.empty()) continue;
       edges_.push_back(&edges);
       clean_.push_back(at_samples(w.input.records[k], edges, edges.F_N));
       std::vector<double> noisy = edges.F_N;
-      std::normal_distribution<double> noise(0.0, edges.noise_F_N);
-      for (double& F : noisy) F += edges.noise_F_N > 0.0 ? noise(random) : 0.0;
+      for (double& F : noisy) F += noise.normal(0.0, edges.noise_F_N);
       noisy_.push_back(at_samples(w.input.records[k], edges, std::move(noisy)));
       for (const Edges::Window& window : edges.windows) samples_ += static_cast<double>(window.end - window.begin);
     }

@@ -124,16 +124,10 @@ bool search_without(Workspace& w, const Given& given, const std::vector<std::str
 
 std::string verb_for(const std::vector<std::string>& names) { return names.size() == 1 ? "s" : ""; }
 
-void leave_to_those_that_foretell(Workspace& w, const Given& given, unsigned threads, Search& out) {
-  const std::vector<std::string> beaten = beaten_where_they_differ(w, out.output, out.rules, threads);
+// `elsewhere`: where the families that fit as well lose to one that competes with them.
+void leave_out_beaten(Workspace& w, const Given& given, const std::vector<std::string>& beaten, const char* elsewhere, unsigned threads, Search& out) {
   if (beaten.empty() || !search_without(w, given, beaten, threads, out, [](const Selection& s) { return s.base.valid && !s.chosen.empty(); })) return;
-  out.begun_anew.push_back(fmt::format("{} fit{} most rows as well, and not those where what they foretell differs", fmt::join(beaten, ", "), verb_for(beaten)));
-}
-
-void leave_to_those_at_the_edges(Workspace& w, const Given& given, unsigned threads, Search& out) {
-  const std::vector<std::string> beaten = beaten_at_the_edges(w, out.output, out.rules, threads);
-  if (beaten.empty() || !search_without(w, given, beaten, threads, out, [](const Selection& s) { return s.base.valid && !s.chosen.empty(); })) return;
-  out.begun_anew.push_back(fmt::format("{} fit{} the rows as well, and not the samples where the force turns most sharply", fmt::join(beaten, ", "), verb_for(beaten)));
+  out.begun_anew.push_back(fmt::format("{} fit{} {}", fmt::join(beaten, ", "), verb_for(beaten), elsewhere));
 }
 
 void leave_to_zero_of_reference(Workspace& w, const Given& given, unsigned threads, Search& out) {
@@ -176,8 +170,10 @@ Search search_channels(Workspace& w, const EngineOptions& options) {
   }
   if (std::ranges::any_of(w.raw_claims, [](const HealthClaim& c) { return c.effect == "clipping"; })) out.skip.emplace_back("clipping");
   out.output = select_borne_out(w, given, out.skip, out.rules, options.threads, out.suspicions);
-  leave_to_those_at_the_edges(w, given, options.threads, out);
-  leave_to_those_that_foretell(w, given, options.threads, out);
+  leave_out_beaten(w, given, beaten_at_the_edges(w, out.output, out.rules, options.threads), "the rows as well, and not the samples where the force turns most sharply",
+                   options.threads, out);
+  leave_out_beaten(w, given, beaten_where_they_differ(w, out.output, out.rules, options.threads), "most rows as well, and not those where what they foretell differs",
+                   options.threads, out);
   leave_to_zero_of_reference(w, given, options.threads, out);
   // against the law without the model's own effects: they describe the whole too
   const bool has_effects = !given.base.empty();

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numeric>
+#include <utility>
 
+#include "hil/base/quantile.h"
 #include "hil/trace/trace.h"
 
 namespace forcegate::diagnose {
@@ -37,13 +40,6 @@ bool is_resolved(const std::vector<double>& F, std::size_t begin, std::size_t en
   return untold < kUntold * differences + kOfNoise * noise_F_N * noise_F_N * static_cast<double>(end - begin);
 }
 
-double median_step_of(const std::vector<double>& t) {
-  std::vector<double> steps(t.size() - 1);
-  for (std::size_t i = 0; i < steps.size(); ++i) steps[i] = t[i + 1] - t[i];
-  std::ranges::nth_element(steps, steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2));
-  return steps[steps.size() / 2];
-}
-
 // Whole: every sample from `begin` to `end` is there, on an even clock.
 class WholeStretches {
  public:
@@ -70,7 +66,9 @@ Edges edges_of(const Record& record, const std::vector<double>& recorded_N, cons
   if (F == nullptr || U == nullptr || F->time_base != U->time_base) return out;
   const std::vector<double>& t = record.trace.time_bases[F->time_base].t_s;
   if (t.size() < 4 * kFewestOfHalf || recorded_N.size() != t.size() || U->value.size() != t.size()) return out;
-  const double step_s = median_step_of(t);
+  std::vector<double> steps(t.size() - 1);
+  std::transform(t.begin() + 1, t.end(), t.begin(), steps.begin(), std::minus<>());
+  const double step_s = median(std::move(steps));
   if (!(step_s > 0.0)) return out;
   const auto samples = [&](double s, std::size_t least, std::size_t most) { return std::clamp(static_cast<std::size_t>(std::lround(s / step_s)), least, most); };
   const std::size_t half = samples(kHalf_s, kFewestOfHalf, kMostOfHalf), run_up = samples(kRunUp_s, 2 * kFewestOfHalf, kMostOfRunUp);
