@@ -114,7 +114,10 @@ Result<Diagnosed> behind_curve(const EngineOptions& options, const DiagnoseRows&
   answer.error_before = before.error_before;
   answer.plain_before = before.plain_before;
   answer.maps = before.maps;
-  answer.notes.emplace_back("what acts behind the bent curve is judged by the force that a straight sensor would have felt: errors and pictures of the others are beside the whole curve");
+  for (RecordError& r : answer.records)
+    if (const auto first_seen = std::ranges::find(before.records, r.record, &RecordError::record); first_seen != before.records.end())
+      r.before = first_seen->before, r.plain_before = first_seen->plain_before;
+  answer.notes.emplace_back("what acts behind the bent curve is judged by the force that a straight sensor would have felt: errors and pictures of the others begin with the whole curve in the model");
   return out;
 }
 

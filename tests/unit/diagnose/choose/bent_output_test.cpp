@@ -87,6 +87,7 @@ TEST(BehindACurve, ADelayIsADelayAndNoParasiticRc) {
   ASSERT_GE(probability(d, "delay"), 0.7) << told(d);
   EXPECT_LT(probability(d, "rc"), 0.5) << told(d);
   EXPECT_LT(d.error_after, 2.0 * d.floor) << told(d);
+  for (const RecordError& r : d.records) EXPECT_LT(r.after, r.before) << r.record << ": without the curve and the delay, and with them";
   const Finding& delay = *std::ranges::find(d.findings, "delay", &Finding::effect);
   EXPECT_EQ(delay.form, kBehindCurve) << "what comes next is --late, and no term of a model";
   EXPECT_EQ(delay.parameters.front().name, "delay_s");
