@@ -48,4 +48,9 @@ AirNotes air_notes(const std::vector<std::pair<std::string, double>>& numbers) {
   return out;
 }
 
+void fill_in(AirNotes& out, const AirNotes& other) {
+  for (const auto quantity : {&AirNotes::temp_C, &AirNotes::humidity_pct, &AirNotes::drive_V})
+    if (!(out.*quantity)) out.*quantity = other.*quantity;
+}
+
 }  // namespace forcegate

@@ -17,4 +17,7 @@ struct AirNotes {
 /// "mean") do not count; humidity without a unit is a share up to 1 and in percent above.
 AirNotes air_notes(const std::vector<std::pair<std::string, double>>& numbers);
 
+/// What `out` does not know it takes from `other`.
+void fill_in(AirNotes& out, const AirNotes& other);
+
 }  // namespace forcegate

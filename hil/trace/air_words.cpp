@@ -43,7 +43,8 @@ std::size_t take_number(std::string_view text, std::size_t at, bool negative, st
   return end;
 }
 
-std::vector<Token> tokens_of(std::string_view text) {
+/// `lists`: a minus behind a blank and before a digit is a sign, also behind a number.
+std::vector<Token> tokens_of(std::string_view text, bool lists = false) {
   constexpr std::string_view kDegree = "\xc2\xb0", kDegreeC = "\xe2\x84\x83", kPlusMinus = "\xc2\xb1";
   std::vector<Token> out;
   for (std::size_t i = 0; i < text.size();) {
@@ -55,7 +56,7 @@ std::vector<Token> tokens_of(std::string_view text) {
       return true;
     };
     if (takes(kDegree, "deg") || takes(kDegreeC, "degc") || takes(kPlusMinus, "within") || takes("+/-", "within") || takes("+-", "within")) continue;
-    const bool begins = out.empty() || !out.back().is_number();
+    const bool begins = out.empty() || !out.back().is_number() || (lists && text[i - 1] == ' ');
     if (is_digit(text[i])) {
       i = take_number(text, i, false, out);
     } else if (text[i] == '-' && begins && rest.size() > 1 && is_digit(rest[1])) {
@@ -141,10 +142,54 @@ class OneValue {
   bool differ_ = false;
 };
 
+constexpr double kColdest_C = -60.0, kHottest_C = 200.0, kMostDrive_V = 60.0;
+
+/// Numbers of a list, from `begin` on, one behind the other or parted by a mark.
+std::vector<double> numbers_from(const std::vector<Token>& tokens, std::size_t begin) {
+  constexpr std::array<std::string_view, 4> kMarks = {",", ";", "/", "|"};
+  std::vector<double> out;
+  for (std::size_t i = begin; i < tokens.size(); ++i) {
+    const bool parts = !tokens[i].is_number() && i + 1 < tokens.size() && tokens[i + 1].is_number() && std::ranges::find(kMarks, tokens[i].word) != kMarks.end();
+    if (!tokens[i].is_number() && !parts) break;
+    if (tokens[i].is_number()) out.push_back(tokens[i].value);
+  }
+  return out;
+}
+
+bool has_word(const std::vector<Token>& tokens, std::size_t begin, std::size_t end, std::initializer_list<std::string_view> words) {
+  return std::any_of(tokens.begin() + static_cast<std::ptrdiff_t>(begin), tokens.begin() + static_cast<std::ptrdiff_t>(end),
+                     [&](const Token& t) { return !t.is_number() && std::ranges::find(words, t.word) != words.end(); });
+}
+
 }  // namespace
 
+std::vector<AirNotes> air_in_list(std::string_view text, std::size_t records) {
+  constexpr std::size_t kFewest = 3;  // two numbers are as often a range
+  const std::vector<Token> tokens = tokens_of(text, true);
+  std::vector<AirNotes> out;
+  bool several = false;
+  const auto take = [&](const std::vector<double>& values, std::optional<double> AirNotes::*quantity, double least, double most) {
+    if (out.empty()) out.resize(values.size());
+    several |= (out.front().*quantity).has_value();
+    if (std::ranges::all_of(values, [&](double v) { return v >= least && v <= most; }))
+      for (std::size_t k = 0; k < values.size(); ++k) out[k].*quantity = values[k];
+  };
+  for (std::size_t i = 0, said = 0; i < tokens.size(); ++i) {
+    if (!tokens[i].is_number()) continue;
+    const std::vector<double> values = numbers_from(tokens, i);
+    if (records >= kFewest && values.size() == records) {
+      if (has_word(tokens, said, i, {"rh", "humidity", "moisture"})) take(values, &AirNotes::humidity_pct, 0.0, 100.0);
+      else if (has_word(tokens, said, i, {"degc", "celsius"}) || (has_word(tokens, said, i, {"c", "deg"}) && has_word(tokens, said, i, {"t", "temp", "temperature", "temperatures", "air", "room", "oven", "chamber"})))
+        take(values, &AirNotes::temp_C, kColdest_C, kHottest_C);
+    }
+    while (i + 1 < tokens.size() && (tokens[i + 1].is_number() || (i + 2 < tokens.size() && tokens[i + 2].is_number() && tokens[i + 1].word.size() == 1))) ++i;
+    said = i + 1;
+  }
+  if (several) out.clear();
+  return out;
+}
+
 AirNotes air_in_words(std::string_view text) {
-  constexpr double kColdest_C = -60.0, kHottest_C = 200.0, kMostDrive_V = 60.0;
   const std::vector<Token> tokens = tokens_of(text);
   OneValue temp_C, humidity_pct, drive_V;
   for (std::size_t i = 0; i < tokens.size(); ++i) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -14,9 +15,11 @@
 #include <fmt/format.h>
 
 #include "hil/base/text.h"
+#include "hil/trace/air_lists.h"
 #include "hil/trace/air_notes.h"
 #include "hil/trace/air_words.h"
 #include "hil/trace/lab_notes.h"
+#include "hil/trace/said_in_words.h"
 
 namespace forcegate {
 namespace {
@@ -162,6 +165,27 @@ void note_mistyped(const Json& object, std::span<const std::string> known, std::
   }
 }
 
+CampaignMembers members_of(const Json& campaign) {
+  CampaignMembers out;
+  for (const auto& [key, value] : campaign.items()) {
+    if (value.is_string()) out.texts.emplace_back(key, value.get<std::string>());
+    if (value.is_array() && std::ranges::all_of(value, [](const Json& v) { return v.is_number(); })) out.lists.emplace_back(key, value.get<std::vector<double>>());
+  }
+  return out;
+}
+
+/// Readings that were taken one after the other: [{"t_s": 0, "air_C": 21.4}, ...].
+Json means_of(const Json& readings) {
+  std::map<std::string, std::pair<double, double>> sums;  // and how many
+  for (const Json& reading : readings)
+    if (reading.is_object())
+      for (const auto& [key, value] : reading.items())
+        if (value.is_number()) sums[key].first += value.get<double>(), sums[key].second += 1.0;
+  Json out = Json::object();
+  for (const auto& [key, sum] : sums) out[key] = sum.first / sum.second;
+  return out;
+}
+
 /// Numbers of a record by name, those inside an object of it ("environment": {...}) too. What a stimulus asks for is no note of the air.
 std::vector<std::pair<std::string, double>> numbers_of(const Json& record) {
   std::vector<std::pair<std::string, double>> out;
@@ -170,8 +194,10 @@ std::vector<std::pair<std::string, double>> numbers_of(const Json& record) {
       if (value.is_number()) out.emplace_back(key, value.get<double>());
   };
   add(record);
-  for (const auto& [key, value] : record.items())
+  for (const auto& [key, value] : record.items()) {
     if (value.is_object() && key != "stimulus") add(value);
+    if (value.is_array()) add(means_of(value));
+  }
   return out;
 }
 
@@ -272,54 +298,6 @@ void note_cut_short(const Json& campaign, std::size_t records, std::vector<std::
                                 planned.get<std::size_t>(), records == 1 ? "is" : "are"));
 }
 
-// Stamps that every record has stand in for start times that none has.
-void take_stamps(std::vector<DescribedRecord>& records, std::vector<std::string>& notes) {
-  double first_s = std::numeric_limits<double>::infinity();
-  for (const DescribedRecord& r : records) {
-    if (r.facts.start_s || !r.notes.stamp_s) return;
-    first_s = std::min(first_s, *r.notes.stamp_s);
-  }
-  for (DescribedRecord& r : records) r.facts.start_s = *r.notes.stamp_s - first_s;
-  notes.emplace_back("the records have no start_s; it is taken from the dates and times that campaign.json has of them");
-}
-
-// What is said of mountings in words, where no record has the key: names of theirs, or from which record on the sensor was mounted anew.
-void take_mountings(std::vector<DescribedRecord>& records, std::vector<std::string>& notes) {
-  bool some_named = false, some_anew = false;
-  for (const DescribedRecord& r : records) {
-    if (!r.facts.mounting.empty()) return;
-    some_named |= !r.notes.mounting.empty();
-    some_anew |= r.notes.remounted;
-  }
-  if (!some_named && !some_anew) return;
-  std::vector<DescribedRecord*> in_order;
-  for (DescribedRecord& r : records) in_order.push_back(&r);
-  std::ranges::stable_sort(in_order, {}, [](const DescribedRecord* r) { return r->facts.start_s.value_or(0.0); });
-  int number = 1;
-  for (DescribedRecord* r : in_order) {
-    if (r != in_order.front() && r->notes.remounted) ++number;
-    r->facts.mounting = some_named ? r->notes.mounting : std::to_string(number);
-  }
-  notes.emplace_back("mountings are taken from what campaign.json says of the records in words");
-}
-
-// Keys, and the columns of the files, go before words.
-void take_air(std::vector<DescribedRecord>& records, std::vector<std::string>& notes) {
-  const auto take = [&](std::optional<double> AirNotes::*said, std::optional<double> Record::*fact, const char* quantity) {
-    std::size_t n = 0;
-    for (DescribedRecord& r : records) {
-      if (r.facts.*fact || !(r.air.*said)) continue;
-      r.facts.*fact = r.air.*said;
-      ++n;
-    }
-    if (n > 0)
-      notes.push_back(fmt::format("{} of {} record{} is taken from what campaign.json says of {} in words", quantity, n, n == 1 ? "" : "s", n == 1 ? "it" : "them"));
-  };
-  take(&AirNotes::temp_C, &Record::temp_C, "the temperature");
-  take(&AirNotes::humidity_pct, &Record::humidity_pct, "the humidity");
-  take(&AirNotes::drive_V, &Record::drive_V, "the drive");
-}
-
 }  // namespace
 
 Result<CampaignDescription> read_description(const fs::path& file) {
@@ -372,9 +350,9 @@ Result<CampaignDescription> read_description(const fs::path& file) {
     out.records->push_back(std::move(record));
   }
   note_cut_short(json, out.records->size(), out.notes);
-  take_stamps(*out.records, out.notes);
-  take_mountings(*out.records, out.notes);
-  take_air(*out.records, out.notes);
+  const std::vector<AirNotes> of_runs = air_of_runs(members_of(json), out.records->size());
+  for (std::size_t i = 0; i < of_runs.size(); ++i) fill_in((*out.records)[i].air, of_runs[i]);
+  take_words(*out.records, out.notes);
   return out;
 }
 

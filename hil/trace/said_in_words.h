@@ -1,0 +1,15 @@
+#pragma once
+// Facts of records that no key tells and words do: when they were made, how the sensor was mounted, the air around them.
+
+#include <string>
+#include <vector>
+
+#include "hil/trace/campaign_description.h"
+
+namespace forcegate {
+
+/// Puts what is said in words (DescribedRecord::notes, air) where a record lacks the fact, with a note for each kind: stamps where every record has one,
+/// mountings where no record has the key.
+void take_words(std::vector<DescribedRecord>& records, std::vector<std::string>& notes);
+
+}  // namespace forcegate
