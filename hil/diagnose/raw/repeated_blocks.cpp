@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 
 namespace forcegate::diagnose {
 
@@ -47,7 +48,14 @@ std::size_t changes_in(std::span<const double> window) {
   return out;
 }
 
-// How likely two samples that far apart are equal where they are near each other, at the levels of the block; some thousands tell.
+// Of two samples at one level: sum of the squared shares of the steps that the noise goes over, step / (2 sqrt(pi) sigma) from a step on.
+double chance_at_one_level(double lsb_V, double noise_V) {
+  const double of_level_V = std::sqrt(noise_V * noise_V - lsb_V * lsb_V / 12.0);  // the steps' own share is no noise
+  return lsb_V / (2.0 * std::sqrt(std::numbers::pi) * of_level_V);
+}
+
+// How likely two samples that far apart are equal where they are near each other, at the levels of the block; some thousands tell. Of an output that
+// creeps hardly any two are at one level, and those of the block are.
 double chance_of_equal(std::span<const double> U, const RepeatedBlock& block, double reach_V) {
   constexpr double kEnough = 4000.0;
   const auto [low, high] = std::ranges::minmax(U.subspan(block.begin, block.end - block.begin));
@@ -76,7 +84,7 @@ std::vector<RepeatedBlock> find_repeated_blocks(std::span<const double> U, std::
   constexpr std::ptrdiff_t kFewestPlain = 3;
   const std::size_t n = U.size();
   if (n < 2 * kWindow || !(noise_V > lsb_V)) return {};
-  const double reach_V = kSigmas * noise_V;
+  const double reach_V = kSigmas * noise_V, at_one_level = chance_at_one_level(lsb_V, noise_V);
   struct Candidate {
     RepeatedBlock block;
     double by_chance;  // ln of how many such blocks are expected
@@ -94,7 +102,7 @@ std::vector<RepeatedBlock> find_repeated_blocks(std::span<const double> U, std::
     const double length = static_cast<double>(block.end - block.begin);
     if (length > kLongest * static_cast<double>(n) || repeats_too(beside, block)) continue;
     const double pairs = static_cast<double>(n) * static_cast<double>(block.before);
-    found.push_back({block, std::log(pairs) + length * std::log(chance_of_equal(U, block, reach_V))});
+    found.push_back({block, std::log(pairs) + length * std::log(std::max(at_one_level, chance_of_equal(U, block, reach_V)))});
   }
   const auto is_plain = [](const Candidate& c) { return c.by_chance < std::log(kByChance); };
   const double most = std::ranges::count_if(found, is_plain) < kFewestPlain ? kByChance : kByChanceBesidePlain;

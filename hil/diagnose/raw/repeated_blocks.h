@@ -4,7 +4,8 @@
 //   n L p^m < 1e-6,   m samples in a row that equal those L before them, n samples in all,   p = (1 + equal) / (2 + all)
 //
 // (5 % beside three that are as plain as that), over the pairs of samples L apart, outside the block and at its levels, that lie within four sigma
-// of the noise of each other: an output that comes by without noise, cycle for cycle, or at rest, has p near 1.
+// of the noise of each other, and never below that of two samples at one level, step / (2 sqrt(pi) sigma): an output that comes by without noise, cycle
+// for cycle, or at rest, has p near 1.
 
 #include <cstddef>
 #include <span>

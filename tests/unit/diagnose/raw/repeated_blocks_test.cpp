@@ -62,6 +62,17 @@ TEST(RepeatedBlocks, ARestBetweenTwoCodesIsNone) {
   EXPECT_TRUE(find_repeated_blocks(U, ramp(U.size()), kLsb_V, 2.0 * kLsb_V).empty());
 }
 
+// Samples that far apart are at different levels nearly everywhere, and at one level in the few places where ten in a row are equal by chance.
+TEST(RepeatedBlocks, ALongHoldThatCreepsOverAFewCodesHasNone) {
+  for (const double noise : {1.2, 1.6})
+    for (int seed = 1; seed <= 4; ++seed) {
+      Rng rng(static_cast<std::uint64_t>(seed), "creeping hold");
+      std::vector<double> U;
+      for (int i = 0; i < 60000; ++i) U.push_back(kLsb_V * std::round((1.0 + 0.1 * std::log1p(0.01 * i)) / kLsb_V + noise * rng.normal()));
+      EXPECT_TRUE(find_repeated_blocks(U, ramp(U.size()), kLsb_V, noise * kLsb_V).empty()) << noise << " " << seed;
+    }
+}
+
 TEST(RepeatedBlocks, AHeldValueIsNoneAndNoMoreAreRowsThatWereWrittenTwice) {
   std::vector<double> U = cycles(2.0 * kLsb_V), F = cycles(3.0 * kLsb_V);
   for (std::size_t i = 3000; i < 3100; ++i) U[i] = U[3000];
