@@ -15,8 +15,8 @@ namespace forcegate {
 /// `unloaded` from which on the pole is a lag of the layers, below it one of the film's resistance.
 inline constexpr double kUnloadedOfLayers = 0.6;
 
-/// 1 - e^-h. Below a quarter by Pade's quotient, 4e-6 off at most: the step stands in the innermost loop of all.
-inline double decayed_share(double h) { return h < 0.25 ? h / (1.0 + h * (0.5 + h / 12.0)) : h * mean_of_decay(h); }
+/// (1 - e^-h) / h. Below a quarter by Pade's quotient, 4e-6 off at most: the step stands in the innermost loop of all.
+inline double quick_mean_of_decay(double h) { return h < 0.25 ? 1.0 / (1.0 + h * (0.5 + h / 12.0)) : mean_of_decay(h); }
 
 /// Column 0: D (y - F). `factor(F)`: by what the time constant is longer than the law says, 1 at mid force.
 template <class Factor>
@@ -35,7 +35,11 @@ void load_dependent_pole(const CampaignInput& c, const RecordInput& r, double ta
         return k;
       },
       [&](std::uint32_t k) { return y = r.fast_F_N[k]; },
-      [&](std::uint32_t k) { return y += (0.5 * (r.fast_F_N[k] + r.fast_F_N[k - 1]) - y) * decayed_share(time_constants(k)); },
+      // exact for a force that is linear between samples: held at their middle, a pole far shorter than a sample would be half a sample late
+      [&](std::uint32_t k) {
+        const double h = time_constants(k), mean = quick_mean_of_decay(h), before = r.fast_F_N[k - 1], now = r.fast_F_N[k];
+        return y += h * mean * (before - y) + (1.0 - mean) * (now - before);
+      },
       [&](std::size_t i, double mean) { out(static_cast<Eigen::Index>(i), 0) = r.decay[i] * (mean - r.F_N[i]); });
 }
 

@@ -74,11 +74,14 @@ struct Left {
 
 class EdgesOfRecords {
  public:
-  EdgesOfRecords(const Workspace& w, unsigned threads) : w_(w), threads_(threads) {
+  /// Of records whose samples are close enough for a shift by `shift_s`: how the force ran between two of them nobody saw, and what a straight line
+  /// there leaves of a shift by less than half a step is as large as that by which a lag and a delay differ.
+  EdgesOfRecords(const Workspace& w, double shift_s, unsigned threads) : w_(w), threads_(threads) {
+    constexpr double kOfStep = 0.5;
     Rng noise(1, "noise of the reference at the edges");
     for (std::size_t k = 0; k < w.edges.size(); ++k) {
       const Edges& edges = w.edges[k];
-      if (edges.empty()) continue;
+      if (edges.empty() || !(shift_s > kOfStep * edges.step_s)) continue;
       edges_.push_back(&edges);
       clean_.push_back(at_samples(w.input.records[k], edges, edges.F_N));
       std::vector<double> noisy = edges.F_N;
@@ -239,8 +242,8 @@ std::vector<std::string> beaten_at_the_edges(const Workspace& w, const Selection
   for (const ChosenEffect& chosen : selection.chosen) {
     const std::vector<const EffectKind*> kinds = rivals_of(chosen);
     if (kinds.size() < 2) continue;
-    const EdgesOfRecords edges(w, threads);
-    if (!(edges.samples() > 0.0)) return {};
+    const EdgesOfRecords edges(w, candidate_of(w.output, chosen.variant).shape.front(), threads);
+    if (!(edges.samples() > 0.0)) continue;
     std::vector<Left> left;
     for (const EffectKind* kind : kinds) left.push_back(least_left(edges, w.input, *kind));
     const auto best = std::ranges::min_element(left, {}, &Left::less_noise);

@@ -72,6 +72,7 @@ Edges edges_of(const Record& record, const std::vector<double>& recorded_N, cons
   if (!(step_s > 0.0)) return out;
   const auto samples = [&](double s, std::size_t least, std::size_t most) { return std::clamp(static_cast<std::size_t>(std::lround(s / step_s)), least, most); };
   const std::size_t half = samples(kHalf_s, kFewestOfHalf, kMostOfHalf), run_up = samples(kRunUp_s, 2 * kFewestOfHalf, kMostOfRunUp);
+  out.step_s = step_s;
   out.noise_F_N = std::hypot(health.noise_F_N, health.lsb_F_N / std::sqrt(12.0));
 
   const std::vector<double> turn = turn_of(recorded_N);

@@ -21,6 +21,7 @@ struct Edges {
   std::vector<std::uint32_t> sample;   ///< which sample of the record
   std::vector<Window> windows;         ///< in rising order, none overlaps
   double noise_F_N = 0.0;              ///< of a sample of the force, its step included
+  double step_s = 0.0;                 ///< from one sample to the next
 
   bool empty() const { return windows.empty(); }
 };

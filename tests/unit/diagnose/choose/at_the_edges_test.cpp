@@ -71,6 +71,13 @@ TEST(AtTheEdges, ADelayAndALagOfAFewMillisecondsAreToldApart) {
   EXPECT_LT(probability(lag, "delay"), 0.2) << told(lag);
 }
 
+// How the force ran between two samples nobody saw: a third of that is no evidence.
+TEST(AtTheEdges, NothingIsSaidOfAShiftByLessThanHalfASample) {
+  constexpr double kThird_s = 0.33 / kRate_Hz;
+  for (const Diagnosis& d : {behind_delay(21, kThird_s), behind_lag(21, kThird_s)})
+    EXPECT_TRUE(std::ranges::none_of(d.notes, [](const std::string& note) { return note.find("turns most sharply") != std::string::npos; })) << told(d);
+}
+
 // A lag smooths the reference's noise and leaves less of it: that is no evidence.
 TEST(AtTheEdges, NothingIsSaidOfAForceThatNeverTurns) {
   Campaign slow = make_campaign(5, [](const std::vector<double>& t, const std::vector<double>& F, int) { return volts(behind_pole(t, F, 0.03)); });
