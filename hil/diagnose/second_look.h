@@ -8,6 +8,9 @@
 
 namespace forcegate::diagnose {
 
+/// Form of a curve that none of the library's describes: what acts behind it is judged with the whole of it in the model.
+inline constexpr const char* kWholeCurve = "whole_curve";
+
 using DiagnoseRows = std::function<Result<Diagnosed>(CampaignRows, const EngineOptions&)>;
 
 /// The answer of `diagnose`, or that of a second look.

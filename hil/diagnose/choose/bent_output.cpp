@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <string>
 
+#include "hil/diagnose/choose/lag_and_curve.h"
 #include "hil/model/effect.h"
 #include "hil/model/rows.h"
 #include "hil/model/states.h"
@@ -14,7 +15,9 @@ namespace forcegate::diagnose {
 
 namespace {
 
-constexpr int kGrid = 401;
+using Eigen::VectorXd;
+
+constexpr int kGrid = 2001;
 constexpr double kNoLag_s = 1e-4;  // beside rows of a second
 
 // Parameters of the chosen form stand alone, those of further forms behind the form's name.
@@ -50,6 +53,43 @@ RecordInput on_grid(const CampaignInput& campaign) {
   return out;
 }
 
+// Newtons that a form adds to the force.
+VectorXd added_by(const EffectForm& form, const CampaignInput& campaign, const RecordInput& record, const std::vector<double>& shape,
+                  const std::vector<double>& strength) {
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(record.rows()), std::ssize(strength));
+  form.columns(campaign, record, shape, columns);
+  return columns * Eigen::Map<const VectorXd>(strength.data(), std::ssize(strength));
+}
+
+// None where it does not rise. At a touch hardly a row tells the slope: it is kept above nothing there.
+std::optional<Bend> bend_through(const CampaignInput& campaign, const RecordInput& record, const VectorXd& felt_N) {
+  constexpr double kFlattest = 0.05, kOfRange = 0.02;  // of the mean slope; that may be flatter
+  const VectorXd step = felt_N.tail(kGrid - 1) - felt_N.head(kGrid - 1);
+  const double least = kFlattest * step.mean();
+  if (!(least > 0.0) || static_cast<double>((step.array() <= least).count()) > kOfRange * kGrid) return std::nullopt;
+  const VectorXd rising = step.cwiseMax(least);
+  const double rise = rising.sum();
+  Bend out{record.F_N, {campaign.lowest_N}};
+  double risen = 0.0;
+  for (const double of_step : rising) {
+    risen += of_step;
+    out.bent_N.push_back(campaign.lowest_N + campaign.range_N * risen / rise);
+  }
+  for (std::size_t k = 0; k < out.F_N.size(); ++k) out.departure = std::max(out.departure, std::abs(out.bent_N[k] - out.F_N[k]) / campaign.range_N);
+  return out;
+}
+
+void lag_samples(RecordInput& r, double tau_s) {
+  if (r.fast_F_N.empty()) return;
+  LowPass film(tau_s, r.fast_F_N.front());
+  double before = r.fast_F_N.front();
+  for (std::size_t k = 1; k < r.fast_F_N.size(); ++k) {
+    const double now = r.fast_F_N[k];
+    r.fast_F_N[k] = film.step(before, now, r.fast_t_s[k] - r.fast_t_s[k - 1]);
+    before = now;
+  }
+}
+
 }  // namespace
 
 double Bend::at(double force_N) const {
@@ -59,42 +99,52 @@ double Bend::at(double force_N) const {
 }
 
 std::optional<Bend> bend_of(const CampaignInput& campaign, const Finding& curve) {
-  constexpr double kFlattest = 0.05;  // of the mean slope
   const EffectKind* kind = EffectRegistry::instance().find(curve.effect);
   if (kind == nullptr || !(campaign.range_N > 0.0)) return std::nullopt;
   const RecordInput record = on_grid(campaign);
-  Eigen::VectorXd y = Eigen::Map<const Eigen::VectorXd>(record.F_N.data(), kGrid);
+  VectorXd felt_N = Eigen::Map<const VectorXd>(record.F_N.data(), kGrid);
   for (const EffectForm& form : kind->forms) {
+    std::vector<double> strength;
+    for (const ParameterSpec& spec : form.strength) strength.push_back(value_of(curve, form.name, spec.name).value_or(0.0));
+    if (std::ranges::all_of(strength, [](double c) { return c == 0.0; })) continue;
     const std::vector<double> shape = shape_of(form, curve);
-    Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(kGrid, std::ssize(form.strength));
-    bool filled = false;
-    for (std::size_t k = 0; k < form.strength.size(); ++k) {
-      const auto value = value_of(curve, form.name, form.strength[k].name);
-      if (!value) continue;
-      if (shape.size() != form.shape.size()) return std::nullopt;
-      if (!filled) form.columns(campaign, record, shape, columns);
-      filled = true;
-      y += *value * columns.col(static_cast<Eigen::Index>(k));
-    }
+    if (shape.size() != form.shape.size()) return std::nullopt;
+    felt_N += added_by(form, campaign, record, shape, strength);
   }
-  const double rise = (y[kGrid - 1] - y[0]) / (kGrid - 1);
-  std::vector<double> slope;
-  for (int k = 0; k + 1 < kGrid; ++k) slope.push_back((y[k + 1] - y[k]) / rise);
-  Bend out{record.F_N, {}, 1.0};
-  for (int k = 0; k < kGrid; ++k) out.bent_N.push_back(campaign.lowest_N + campaign.range_N * (y[k] - y[0]) / (rise * (kGrid - 1)));
-  std::ranges::sort(slope);
-  if (!(slope.front() > kFlattest)) return std::nullopt;
-  out.slope_ratio = slope[slope.size() * 19 / 20] / slope[slope.size() / 20];
-  return out;
+  return bend_through(campaign, record, felt_N);
 }
 
-void bend_force(CampaignInput& campaign, const Bend& bend) {
+std::optional<LaggedBend> bend_beside_lag(const Workspace& w, unsigned threads) {
+  const Candidate* lag = lag_of_model(w.output);
+  if (lag == nullptr || lag->form->name != kOnePole || !(w.input.range_N > 0.0)) return std::nullopt;
+  LagAndCurveModel model(w, LagAndCurveModel::Decay::of_records, threads);
+  const double tau_s = lag->shape.front();
+  LagAndCurvePoint best;
+  LagWithCurve forms;
+  bool after_lag = false;
+  for (const bool after : {false, true}) {
+    const LagWithCurve tried{kOnePole, after ? "quartic_after_lag" : "quartic_before_lag"};
+    const LagAndCurvePoint p = model.best(tried, {0.0, {tau_s}, {tau_s}}, LagAndCurveModel::Delay::stays);
+    if (p.evidence > best.evidence) best = p, forms = tried, after_lag = after;
+  }
+  const std::vector<double> strength = model.curve_at(forms, best);
+  if (strength.empty()) return std::nullopt;
+  const EffectForm& form = *find_form(*EffectRegistry::instance().find("static_nonlinearity"), forms.curve);
+  const RecordInput record = on_grid(w.input);
+  const VectorXd felt_N = Eigen::Map<const VectorXd>(record.F_N.data(), kGrid) + added_by(form, w.input, record, {kNoLag_s}, strength);
+  std::optional<Bend> bend = bend_through(w.input, record, felt_N);
+  if (!bend) return std::nullopt;
+  return LaggedBend{*std::move(bend), best.lag.front(), after_lag};
+}
+
+void bend_force(CampaignInput& campaign, const Bend& bend, double lag_s) {
   const auto each = [&](std::vector<double>& F_N) {
     for (double& F : F_N) F = bend.at(F);
   };
   const RecordInput* whole = nullptr;  // the first block of a recording, which alone has the force at full rate
   for (RecordInput& r : campaign.records) {
     r.wanted.clear();
+    if (lag_s > 0.0) lag_samples(r, lag_s);
     each(r.fast_F_N);
     if (!r.fast_F_N.empty()) {
       whole = &r;

@@ -2,15 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <string>
 #include <utility>
 
-#include "hil/diagnose/candidates/signatures.h"
+#include "hil/diagnose/choose/lag_and_curve.h"
 #include "hil/diagnose/choose/reference_latency.h"
-#include "hil/diagnose/choose/refine.h"
 #include "hil/diagnose/choose/screen.h"
-#include "hil/diagnose/choose/select.h"
 #include "hil/model/rows.h"
 #include "hil/model/states.h"
 
@@ -18,123 +15,14 @@ namespace forcegate::diagnose {
 
 namespace {
 
-constexpr const char* kLag = "lag";
-constexpr const char* kCurve = "static_nonlinearity";
-constexpr const char* kOnePole = "one_pole";
-
-const Candidate* guessed_lag(const ResidualChannel& channel) {
-  for (const Candidate& c : channel.candidates)
-    if (c.is_guess && c.kind->name == kLag) return &c;
-  return nullptr;
-}
-
-const EffectForm& form_of(const char* effect, const std::string& name) { return *find_form(*EffectRegistry::instance().find(effect), name); }
-
-Candidate in_model(const char* effect, const std::string& form_name, const std::vector<double>& shape) {
-  const EffectForm& form = form_of(effect, form_name);
-  Candidate c{EffectRegistry::instance().find(effect), &form, shape, 0, static_cast<int>(form.strength.size())};
-  c.of_model = true;
-  return c;
-}
+using Point = LagAndCurvePoint;
+using Delay = LagAndCurveModel::Delay;
 
 // A decay that small may be what a delay has left beside the wrong lag; which it is the second look tells.
 bool hardly_decays(const CampaignInput& input) {
   constexpr double kSlight = 0.1;
   return std::ranges::all_of(input.records, [](const RecordInput& r) { return std::ranges::all_of(r.decay, [](double D) { return D > 1.0 - kSlight; }); });
 }
-
-/// A lag and a curve that lags with it, on the force at a delay.
-struct LagWithCurve {
-  std::string lag, curve;
-  bool operator==(const LagWithCurve&) const = default;
-};
-
-struct Point {
-  double delay_s = 0.0;
-  std::vector<double> lag, curve;  // shapes; the curve's first is the lag's
-  double evidence = -1e300, left = 0.0;
-};
-
-enum class Delay { moves, stays };
-
-class LagAndCurveModel {
- public:
-  LagAndCurveModel(const Workspace& w, unsigned threads) : w_(w), threads_(threads) {}
-
-  /// From `start` to where the evidence is largest.
-  Point best(const LagWithCurve& forms, const Point& start, Delay delay) {
-    EffectForm moved;  // of which the climb reads the shapes
-    std::vector<double> at;
-    const auto add = [&](std::span<const ParameterSpec> specs, std::span<const double> values) {
-      moved.shape.insert(moved.shape.end(), specs.begin(), specs.end());
-      at.insert(at.end(), values.begin(), values.end());
-    };
-    constexpr double kShortest_s = 1e-4, kLongest_s = 10.0;
-    const std::vector<ParameterSpec> of_delay = {{"delay_s", "s", kShortest_s, kLongest_s, 0.0, ""}};
-    if (delay == Delay::moves) add(of_delay, {&start.delay_s, 1});
-    const EffectForm &lag = form_of(kLag, forms.lag), &curve = form_of(kCurve, forms.curve);
-    add(lag.shape, start.lag);
-    add(std::span(curve.shape).subspan(1), std::span(start.curve).subspan(1));
-    Point out;
-    climb(moved, at, [&](const std::vector<double>& shape) {
-      auto next = shape.begin();
-      Point p;
-      p.delay_s = delay == Delay::moves ? *next++ : start.delay_s;
-      p.lag.assign(next, next + std::ssize(lag.shape));
-      p.curve.assign(next + std::ssize(lag.shape), shape.end());
-      p.curve.insert(p.curve.begin(), p.lag.front());
-      judge(forms, p);
-      if (p.evidence > out.evidence) out = p;
-      return p.evidence;
-    });
-    return out;
-  }
-
- private:
-  void judge(const LagWithCurve& forms, Point& p) {
-    if (!own_ || p.delay_s != delay_s_ || forms != forms_) {
-      build(forms, p);
-    } else {
-      for (Candidate& c : own_->output.candidates) {
-        c.shape = c.kind->name == kLag ? p.lag : p.curve;
-        fill_candidate(own_->input, own_->output, c, threads_);
-      }
-    }
-    std::vector<int> columns;
-    for (const Candidate& c : own_->output.candidates) add_columns(columns, columns_of(c));
-    const MixedFit fit = fit_mixed(own_->output.problem, columns, nullptr, 15, RecordUse::all_records);
-    if (!fit.valid) return;
-    p.evidence = fit.log_evidence;
-    p.left = excess_mean_square(own_->output, fit);
-  }
-
-  void build(const LagWithCurve& forms, const Point& p) {
-    own_ = std::make_unique<Workspace>();
-    own_->input = w_.input;
-    for (RecordInput& r : own_->input.records) std::ranges::fill(r.decay, 1.0);
-    if (p.delay_s != 0.0) delay_force(own_->input, p.delay_s);
-    own_->law = w_.law;
-    own_->zero_wanders = w_.zero_wanders;
-    own_->gain_V_per_N = w_.gain_V_per_N;
-    own_->shifts = w_.shifts;
-    own_->noise_V = w_.noise_V;
-    own_->white_V = w_.white_V;
-    own_->smoothed_V = w_.smoothed_V;
-    own_->judges = w_.judges;
-    Candidate lag = in_model(kLag, forms.lag, p.lag);
-    lag.written = {1.0};
-    const ListedOnly nothing_else{};
-    build_output_channel(*own_, threads_, {lag, in_model(kCurve, forms.curve, p.curve)}, &nothing_else);
-    delay_s_ = p.delay_s;
-    forms_ = forms;
-  }
-
-  const Workspace& w_;
-  unsigned threads_;
-  std::unique_ptr<Workspace> own_;
-  double delay_s_ = 0.0;
-  LagWithCurve forms_;
-};
 
 /// What a delay and a lag share is told late: along the ridge the one grows by what the other loses, and a climb by one of them at a time comes to rest on it.
 class AlongRidge {
@@ -205,9 +93,9 @@ LateOutput late_output(const Workspace& w, unsigned threads) {
   constexpr double kSomething = 0.1;              // of what the instruments may leave (mean square): else nothing is left to be explained
   constexpr double kOfLag = 0.4, kBeside = 0.7;   // of the lag alone: where the climb begins
   constexpr double kTypical_n = 0.8, kTypicalRatio = 1.2, kTypicalUnloaded = 1.0, kProfile = 0.1;
-  const Candidate* guess = guessed_lag(w.output);
-  if (guess == nullptr || !hardly_decays(w.input)) return {};
-  LagAndCurveModel model(w, threads);
+  const Candidate* guess = lag_of_model(w.output);
+  if (guess == nullptr || !guess->is_guess || !hardly_decays(w.input)) return {};
+  LagAndCurveModel model(w, LagAndCurveModel::Decay::none, threads);
   const double tau_s = guess->shape.front();
   Point without, late;
   LagWithCurve forms;

@@ -148,10 +148,13 @@ EffectForm lagged_bank(const char* name, LagAndCurve order) {
   std::vector<ParameterSpec> strength = bank().strength;
   strength.resize(4);
   strength.push_back({"p", "1", -4.0, 4.0, 0.0, "R (F/R)^0.75"});
+  strength.push_back({"u1", "1", -4.0, 4.0, 0.0, "R F/(F + 0.01 R), the touch"});
+  strength.push_back({"u4", "1", -4.0, 4.0, 0.0, "R F/(F + 0.04 R)"});
   EffectForm out = lagged(name, order, std::move(strength), [](double R, std::span<const double>) {
+    const auto touch = [R](double share) { return [R, share](double F) { return F > 0.0 ? R * F / (F + share * R) : 0.0; }; };
     return Curves{[R](double F) { return F * F / R; }, [R](double F) { return F * F * F / (R * R); },
                   [R](double F) { return F * F * F * F / (R * R * R); }, [R](double F) { return std::sqrt(std::max(F, 0.0) * R); },
-                  [R](double F) { return R * std::pow(std::max(F, 0.0) / R, 0.75); }};
+                  [R](double F) { return R * std::pow(std::max(F, 0.0) / R, 0.75); }, touch(0.01), touch(0.04)};
   });
   out.bank = true;
   return out;

@@ -27,7 +27,7 @@ TEST(Bend, FollowsTheClaimedCurveAndLeavesTheEndsWhereTheyAre) {
   const auto expected = [](double F) { return (F - 0.4 * F * F / 4.0) / 0.6; };
   for (const double F : {0.0, 0.7, 2.0, 3.3, 4.0}) EXPECT_NEAR(bend->at(F), expected(F), 1e-4) << F;
   EXPECT_NEAR(bend->at(4.5), 4.0 + 0.5 * 0.2 / 0.6, 0.01) << "along the last slope";
-  EXPECT_GT(bend->slope_ratio, 3.0);
+  EXPECT_NEAR(bend->departure, 1.0 / 6.0, 1e-3) << "at mid force 2.67 of 4 instead of 2";
 }
 
 TEST(Bend, TakesFurtherFormsAndTheCurveOfOneThatLags) {
