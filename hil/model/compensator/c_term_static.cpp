@@ -110,6 +110,12 @@ Result<CTerm> curve(const ModelEffect& e, const CTermContext& x) {
     h = [=](double F) { return c * ((F > 0.0 ? R * std::pow(F / R, n) : 0.0) - F); };
     t.each = 64;
     t.needs_pow = t.needs_exp = t.needs_ln = true;
+  } else if (e.form.starts_with("touch")) {
+    const double c = strength_of(e, 0), half_N = shape_of(e, 1) * R;
+    t.constants = constant("k_" + id + "_c", c) + constant("k_" + id + "_half", half_N) + constant("k_" + id + "_all", R + half_N);
+    body = fmt::format("return k_{0}_c * ((F > 0.0f ? k_{0}_all * F / (F + k_{0}_half) : 0.0f) - F);", id);
+    h = [=](double F) { return c * ((F > 0.0 ? (R + half_N) * F / (F + half_N) : 0.0) - F); };
+    t.each = 20;
   } else if (e.form.starts_with("saturation")) {
     const double c = strength_of(e, 0), F1 = shape_of(e, 0), width = shape_of(e, 1);
     t.constants = constant("k_" + id + "_c", c) + constant("k_" + id + "_F1", F1) +

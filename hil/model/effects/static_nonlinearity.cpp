@@ -3,7 +3,7 @@
 //   or -c softplus(F - F1) (saturation); R the force span. The same curves on the decayed force W, and beside the load's own lowest
 //   force (D h(F)), are further forms.
 // Beside a lag of the model a bent curve lags too: h(y) of the lagged force (after_lag) or L[h(F)] (before_lag), tau y' + y = F. h(F) alone
-// would leave the lag of what the curve adds, which looks like a second time constant. power: h = c (R (F/R)^n - F).
+// would leave the lag of what the curve adds, which looks like a second time constant. power: h = c (R (F/R)^n - F); touch: h = c ((R + F1) F/(F + F1) - F).
 // FlexiForce within +-3 % (Tekscan manual, rev. G); amplitude nonlinearity: Sensors 11 (2011) 8836.
 
 #include <cmath>
@@ -144,6 +144,23 @@ EffectForm lagged_power(const char* name, LagAndCurve order) {
   return out;
 }
 
+// Contacts that close within a small force: a step of the output at the touch, which no power has.
+EffectForm lagged_touch(const char* name, LagAndCurve order) {
+  EffectForm out = lagged(name, order, {{"c", "1", -0.5, 2.0, 0.0, "share of the output that comes with the touch"}}, [](double R, std::span<const double> shape) {
+    const double half_N = shape[1] * R;
+    return Curves{[R, half_N](double F) { return F > 0.0 ? (R + half_N) * F / (F + half_N) - F : -F; }};
+  });
+  out.shape.push_back({"touch", "1", 0.002, 0.3, 0.02, "force by which half of it is there, share of the range"});
+  out.sign = StrengthSign::positive;
+  out.grid = [](const CampaignInput&) {
+    std::vector<std::vector<double>> shapes;
+    for (const double tau_s : {0.02, 0.06, 0.2})
+      for (const double touch : {0.01, 0.05}) shapes.push_back({tau_s, touch});
+    return shapes;
+  };
+  return out;
+}
+
 EffectForm lagged_bank(const char* name, LagAndCurve order) {
   std::vector<ParameterSpec> strength = bank().strength;
   strength.resize(4);
@@ -177,6 +194,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
               lagged_polynomial("polynomial_after_lag", LagAndCurve::curve_of_lagged),
               lagged_polynomial("polynomial_before_lag", LagAndCurve::lag_of_curve),
               lagged_power("power_after_lag", LagAndCurve::curve_of_lagged), lagged_power("power_before_lag", LagAndCurve::lag_of_curve),
+              lagged_touch("touch_after_lag", LagAndCurve::curve_of_lagged), lagged_touch("touch_before_lag", LagAndCurve::lag_of_curve),
               bank(), lagged_bank("quartic_after_lag", LagAndCurve::curve_of_lagged),
               lagged_bank("quartic_before_lag", LagAndCurve::lag_of_curve)}}};
 

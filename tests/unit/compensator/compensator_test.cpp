@@ -147,6 +147,8 @@ TEST(Compensator, CurvesThatLagAreUndoneBesideTheLag) {
     EXPECT_LT(replay_LSB(model_with({lag, effect("static_nonlinearity", form, {0.05, -0.03}, {0.05})})), 0.3) << form;
   for (const char* form : {"power_after_lag", "power_before_lag"})
     EXPECT_LT(replay_LSB(model_with({lag, effect("static_nonlinearity", form, {0.9}, {0.05, 0.85})})), 0.5) << form;
+  for (const char* form : {"touch_after_lag", "touch_before_lag"})
+    EXPECT_LT(replay_LSB(model_with({lag, effect("static_nonlinearity", form, {0.1}, {0.05, 0.02})})), 0.5) << form;
 }
 
 // A form that is exported as another one would be found on the user's bench.
