@@ -26,7 +26,7 @@ std::vector<double> resample(const RecordInput& r, const std::vector<double>& x,
   out.resize(n);
   std::size_t j = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    const double t = r.t_s.front() + static_cast<double>(i) / rate_Hz;
+    const double t = static_cast<double>(i) / rate_Hz;
     while (j + 2 < r.rows() && r.t_s[j + 1] <= t) ++j;
     const double share = std::clamp((t - r.t_s[j]) / (r.t_s[j + 1] - r.t_s[j]), 0.0, 1.0);
     out[i] = x[j] + share * (x[j + 1] - x[j]);
@@ -40,15 +40,33 @@ std::vector<std::uint8_t> judged_instants(const RecordInput& r, double rate_Hz, 
   std::vector<std::uint8_t> out(n, 0);
   std::size_t j = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    const double t = r.t_s.front() + static_cast<double>(i) / rate_Hz;
+    const double t = static_cast<double>(i) / rate_Hz;
     while (j + 2 < r.rows() && r.t_s[j + 1] <= t) ++j;
     out[i] = r.ok[j] != 0 && r.ok[j + 1] != 0 && r.t_s[j + 1] - r.t_s[j] <= kGap * r.row_step_s ? 1 : 0;
   }
   return out;
 }
 
-// The record at the rate of the compensator: rows and full rate are the same, and its output is what the samples say.
-RecordInput at_rate(const Campaign& campaign, const RecordInput& r, double rate_Hz, double most_s) {
+// The recorded force at these instants.
+std::vector<double> force_at(const RecordInput& r, const std::vector<double>& t_s) {
+  std::vector<double> out;
+  out.reserve(t_s.size());
+  std::size_t j = 0;
+  for (const double t : t_s) {
+    while (j + 2 < r.fast_t_s.size() && r.fast_t_s[j + 1] <= t) ++j;
+    const double share = std::clamp((t - r.fast_t_s[j]) / (r.fast_t_s[j + 1] - r.fast_t_s[j]), 0.0, 1.0);
+    out.push_back(r.fast_F_N[j] + share * (r.fast_F_N[j + 1] - r.fast_F_N[j]));
+  }
+  return out;
+}
+
+struct AtRate {
+  RecordInput rows;
+  std::vector<double> read_N;  ///< force when each output was read: a mean over rows stands between the samples
+};
+
+// The record at the rate of the compensator, on the samples where that is theirs: rows and full rate are the same, and its output is what the samples say.
+AtRate at_rate(const Campaign& campaign, const RecordInput& r, double rate_Hz, double most_s) {
   RecordInput out = r;
   const double seconds = std::min(most_s, r.t_s.back() - r.t_s.front());
   const auto n = static_cast<std::size_t>(seconds * rate_Hz);
@@ -67,17 +85,19 @@ RecordInput at_rate(const Campaign& campaign, const RecordInput& r, double rate_
   out.rate_N_per_s.assign(n, 0.0);
   out.row_begin.resize(n + 1);
   for (std::size_t i = 0; i < n; ++i) {
-    out.t_s[i] = r.t_s.front() + static_cast<double>(i) / rate_Hz;
+    out.t_s[i] = static_cast<double>(i) / rate_Hz;
     out.row_begin[i] = static_cast<std::uint32_t>(i);
     if (i == 1) out.rate_N_per_s[i] = rate_Hz * (out.F_N[i] - out.F_N[i - 1]);
     if (i > 1) out.rate_N_per_s[i] = rate_Hz * (1.5 * out.F_N[i] - 2.0 * out.F_N[i - 1] + 0.5 * out.F_N[i - 2]);
   }
   out.row_begin[n] = static_cast<std::uint32_t>(n);
-  out.U_V = recorded_output(campaign, r, out.t_s);
+  std::vector<double> read_s;
+  out.U_V = recorded_output(campaign, r, out.t_s, &read_s);
+  std::vector<double> read_N = out.U_V.empty() ? out.F_N : force_at(r, read_s);
   if (out.U_V.empty()) out.U_V = resample(r, r.U_V, rate_Hz, n);
   out.fast_t_s = out.t_s;
   out.fast_F_N = out.F_N;
-  return out;
+  return {std::move(out), std::move(read_N)};
 }
 
 // Lowest u of the last two minutes of cycling, as the reference firmware tracks U_min.
@@ -180,7 +200,7 @@ Result<Replayed> replayed(const Replay& with, const RecordInput& rows) {
                 "replay the header on records with a column temp_C; without --check it is written all the same");
   }
   const double rate_Hz = with.rate_Hz, G = with.model.law.gain_N_per_V, F0 = with.model.law.offset_N;
-  RecordInput r = at_rate(with.campaign, rows, rate_Hz, with.most_s);
+  auto [r, read_N] = at_rate(with.campaign, rows, rate_Hz, with.most_s);
   set_decay(r, with.model.law);
   r.recording = with.in_frame.input().records.front().recording;  // no history: the firmware is switched on where the record begins
   FORCEGATE_TRY(const std::vector<double> U, model_output_V(with.model, with.in_frame, r));
@@ -208,11 +228,12 @@ Result<Replayed> replayed(const Replay& with, const RecordInput& rows) {
 
   const std::vector<float> floor = tracked_floor(r, recorded, rate_Hz);
   const std::vector<float> found = with.built.run(recorded, shrink, floor, false, T);
-  const auto every = static_cast<std::size_t>(std::max(1.0, 0.05 * rate_Hz));
-  for (std::size_t i = every; i < n; i += every) {
+  constexpr std::size_t kMostKept = 50'000;  // fewer would meet steps of the force in step
+  const auto settled = static_cast<std::size_t>(std::max(1.0, 0.05 * rate_Hz));
+  for (std::size_t i = settled, every = n / kMostKept + 1; i < n; i += every) {
     if (r.ok[i] == 0) continue;
     const double above = static_cast<double>(recorded[i] - floor[i]);
-    out.at.F.push_back(static_cast<float>(r.F_N[i]));
+    out.at.F.push_back(static_cast<float>(read_N[i]));
     out.at.plain.push_back(above > 0.0 ? static_cast<float>(static_cast<double>(floor[i]) + above / static_cast<double>(shrink[i])) : recorded[i]);
     out.at.compensated.push_back(found[i]);
     out.at.shrink.push_back(shrink[i]);

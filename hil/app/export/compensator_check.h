@@ -5,7 +5,7 @@
 //                single precision and its solver, since the model's own inverse of its own answer is the force itself; a rate
 //                of the force is taken from the samples so far, as a firmware must
 //   recording    the recorded voltages, sample by sample as a converter reads them (recorded_output.h), with U_min tracked as a firmware
-//                does it, against the recorded forces: as the header makes them with gain and offset of the model ("raw"), and with the best
+//                does it, against the force recorded at the same instants: as the header makes them with gain and offset of the model ("raw"), and with the best
 //                straight line over the campaign first, by the output as a law is fitted, for the plain law and for the compensator each. A
 //                calibration on the bench finds that line, so that gain and offset of a session do not count; a firmware that calibrates by
 //                the model has none

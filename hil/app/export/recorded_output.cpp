@@ -5,7 +5,7 @@
 
 namespace forcegate {
 
-std::vector<double> recorded_output(const Campaign& campaign, const RecordInput& rows, const std::vector<double>& t_s) {
+std::vector<double> recorded_output(const Campaign& campaign, const RecordInput& rows, const std::vector<double>& t_s, std::vector<double>* read_s) {
   const auto record = std::ranges::find(campaign.records, rows.name, &Record::name);
   const Channel* output = record == campaign.records.end() ? nullptr : record->trace.find("U");
   if (output == nullptr) return {};
@@ -26,8 +26,9 @@ std::vector<double> recorded_output(const Campaign& campaign, const RecordInput&
     while (k + 2 < at_s.size() && at_s[k + 1] <= t) ++k;
     const double step_s = at_s[k + 1] - at_s[k];
     const double share = step_s > 0.0 ? std::clamp((t - at_s[k]) / step_s, 0.0, 1.0) : 0.0;
-    if (step_s <= kAsFast * instant_s) out.push_back(share < 0.5 ? U[k] : U[k + 1]);
-    else out.push_back(U[k] + share * (U[k + 1] - U[k]));
+    const double taken = step_s <= kAsFast * instant_s ? std::round(share) : share;
+    out.push_back(taken == 1.0 ? U[k + 1] : U[k] + taken * (U[k + 1] - U[k]));
+    if (read_s != nullptr) read_s->push_back(at_s[k] + taken * step_s);
   }
   return out;
 }
