@@ -42,18 +42,10 @@ std::optional<Straight> straight(const std::vector<double>& x, const std::vector
 
 // `in_frame`: nullptr where the model has no effects.
 std::vector<double> model_rows(const CampaignInFrame* in_frame, const Model& model, const RecordInput& r) {
-  RecordInput all;
-  const RecordInput* input = &r;
-  if (in_frame != nullptr || r.decay.size() != r.rows()) {
-    all = r;
-    all.wanted.clear();
-    if (all.decay.size() != all.rows()) set_decay(all, model.law);
-    input = &all;
-  }
   if (in_frame != nullptr)
-    if (auto out = model_output_V(model, *in_frame, *input)) return std::move(*out);
-  std::vector<double> out(input->rows());
-  for (std::size_t i = 0; i < out.size(); ++i) out[i] = input->base_force_N(i);
+    if (auto out = model_output_V(model, *in_frame, r)) return std::move(*out);
+  std::vector<double> out(r.rows());
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = r.base_force_N(i);
   return out;
 }
 
@@ -73,6 +65,28 @@ bool finish(ModelledRecord& m) {
   return std::isfinite(m.rms);
 }
 
+// The decay of the records is that of the law alone, which bends itself towards what the effects do: beside them it would count that twice. Theirs is
+// the model's, as it stands or with what the record's own differs from the law of all; of these the picture takes the one that leaves less.
+bool set_model(const CampaignInFrame* in_frame, const Model& model, const diagnose::Workspace& w, std::size_t record, ModelledRecord& m) {
+  const RecordInput& r = *m.input;
+  if (in_frame == nullptr && r.decay.size() == r.rows()) {
+    m.model = model_rows(nullptr, model, r);
+    return finish(m);
+  }
+  RecordInput all = r;
+  all.wanted.clear();
+  set_decay(all, model.law);
+  m.model = model_rows(in_frame, model, all);
+  if (!finish(m)) return false;
+  if (r.dynamic && model.law.decays && record < w.shifts.size()) {
+    ModelledRecord own = m;
+    set_decay(all, model.law, w.shifts[record].log_b, w.shifts[record].log_q);
+    own.model = model_rows(in_frame, model, all);
+    if (finish(own) && own.rms < m.rms) m = std::move(own);
+  }
+  return true;
+}
+
 std::vector<ModelledRecord> modelled(const diagnose::Workspace& w, const Model& model) {
   std::vector<ModelledRecord> out;
   std::optional<CampaignInFrame> in_frame;
@@ -82,9 +96,11 @@ std::vector<ModelledRecord> modelled(const diagnose::Workspace& w, const Model& 
     if (r.rows() == 0 || r.U_V.size() != r.rows()) continue;
     // the blocks of one recording have the same rows
     ModelledRecord m{r.name, &r, r.ok, {}};
-    m.model = w.input.single && !out.empty() ? out.front().model : model_rows(in_frame ? &*in_frame : nullptr, model, r);
     if (k < w.noise_V.size()) m.noise = w.noise_V[k];
-    if (finish(m)) out.push_back(std::move(m));
+    bool made = false;
+    if (w.input.single && !out.empty()) m.model = out.front().model, made = finish(m);
+    else made = set_model(in_frame ? &*in_frame : nullptr, model, w, k, m);
+    if (made) out.push_back(std::move(m));
   }
   return out;
 }

@@ -100,6 +100,26 @@ TEST(RecordPictures, AModelsCurveIsDrawnWithTheSpanThatItWasFittedOn) {
   EXPECT_NEAR(p.extrema.front().maxima.modelled.front(), p.extrema.front().maxima.measured.front(), 1e-6);
 }
 
+TEST(RecordPictures, BesideEffectsTheDecayIsTheModelsAndNotThatOfTheLawAlone) {
+  diagnose::Workspace w = workspace(1, 7.0, 0.0);
+  const auto model = parse_model("[law]\nspan_N = 5.0\ngain_N_per_V = 0.5\noffset_N = 0.0\n[[effect]]\nname = \"static_nonlinearity\"\n"
+                                 "form = \"polynomial\"\nstrength.c2 = 0.3\n", "m.toml");
+  ASSERT_TRUE(model) << model.error().to_text();
+  RecordInput& r = w.input.records[0];
+  r.dynamic = true;
+  r.f_Hz = 0.1, r.A_N = 1.0, r.F_min_N = 1.0;
+  w.input.range_N = 5.0;
+  set_decay(r, model->law);
+  const auto output = model_output_V(*model, CampaignInFrame(model->frame, w.input), r);
+  ASSERT_TRUE(output);
+  r.U_V = *output;
+  set_decay(r, model->law, 0.7, 0.7);  // what the law alone would make of the effect
+  const RecordPictures p = record_pictures(w, *model);
+  ASSERT_EQ(p.extrema.size(), 1u);
+  const TurningSeries& maxima = p.extrema.front().maxima;
+  for (std::size_t i = 0; i < maxima.t_s.size(); ++i) EXPECT_NEAR(maxima.modelled[i], maxima.measured[i], 1e-6) << maxima.t_s[i];
+}
+
 TEST(RecordPictures, WhatTheRecordsCannotShowIsSaid) {
   diagnose::Workspace w = workspace(1, 7.0, 0.0);
   for (std::size_t i = 0; i < 5000; ++i) w.input.records[0].ok[i] = i % 100 < 60 ? 1 : 0;
