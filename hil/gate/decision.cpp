@@ -126,6 +126,10 @@ Decision reject(const std::vector<const Check*>& failed, std::span<const Check* 
     return no_decision(Blame::calibration, 3,
                        "firmware or calibration, it cannot be told at level 'nominal' of an algorithm that only the image knows: " +
                            d.reason + "; calibrate the specimen (--calibration identified, for a recording --cal FILE)");
+  if (events.calibration_given && events.level == CalibrationLevel::identified && only_algorithm && conforms && judged.size() == failed.size())
+    return no_decision(Blame::calibration, 3,
+                       "the firmware does what its algorithm says of the calibration that was given, which may not be this specimen's: " + d.reason +
+                           "; calibrate the specimen (on a rig leave out --cal; for a recording forcegate bench calibrate)");
   if (events.level != CalibrationLevel::identified && only_algorithm && conforms) {
     d.blame = Blame::calibration;
     d.reason = fmt::format(
@@ -225,7 +229,10 @@ Decision decide(std::span<const Check* const> checks, const DecisionRule& rule, 
     d.safety_stop = events.safety_stop;
     return d;
   };
-  if (!all.failed.empty()) {
+  // One file tells all records of a run what their sensor is: where it fits one of them badly, errors of another that it happens to fit better are its too.
+  const bool misfit = std::ranges::any_of(all.open, [](const Check* c) { return c->id == "rig_calibration_fits"; });
+  const bool could_be_misfit = misfit && std::ranges::all_of(all.failed, [](const Check* c) { return is_algorithm_check(*c); });
+  if (!all.failed.empty() && !could_be_misfit) {
     Decision d = reject(all.failed, checks, events);
     if (d.kind == DecisionKind::reject || !undecided_stop) return with_stop(std::move(d));
   }

@@ -20,6 +20,7 @@ struct RunEvents {
   bool safety_cause_decided = true;  ///< false: exit 5
   std::string safety_text;
   CalibrationLevel level = CalibrationLevel::identified;
+  bool calibration_given = false;  ///< by a file: nothing in the run tells whose it is
   bool of_recording = false;  ///< played again it is the same: no rig error of it is exit 4, and nobody mends a link or a rig
 };
 

@@ -144,6 +144,7 @@ RunResult to_run_result(const RunMaterial& material, const std::vector<JudgedChe
     order.push_back(&one);
     if (one.superseded) continue;
     const JudgedCase& j = one.judged;
+    events.calibration_given = events.calibration_given || one.record.calibration_given;
     for (const JudgedCheck& check : j.checks) all.push_back(&check.check);
     events.cancelled = events.cancelled || j.cancelled;
     if (j.harness_error && !events.harness_error) {

@@ -172,7 +172,7 @@ TEST_F(GateEvidence, ABuildIsNotWorseThanItselfUnderOtherConditions) {
       {{"--fault", "reference_gain=1.01"}, "other faults: none (here reference_gain=1.01)"},
       {{"--rig-option", "hidden=creep:strong"}, "other options of the rig: none (here hidden=creep:strong)"},
       {{"--calibration", "nominal"}, "another calibration in slow/q25: level static and nominal"},
-      {{"--cal", folder / "cal.toml"}, "another calibration in slow/q25"}};
+      {{"--cal", folder / "cal.toml", "--specimen", "q25"}, "another calibration in slow/q25"}};
   for (const auto& [more, what] : others) {
     std::vector<std::string> line = more;
     line.insert(line.end(), {"--accepted", folder / "accepted"});
@@ -184,6 +184,22 @@ TEST_F(GateEvidence, ABuildIsNotWorseThanItselfUnderOtherConditions) {
   const ProcessResult diff = run({"diff", folder / "accepted", folder / "nominal"});
   EXPECT_THAT(diff.out, HasSubstr("NOT the same conditions"));
   EXPECT_THAT(diff.out, HasSubstr("calibration of 4 records: slow/q25 level static and nominal"));
+}
+
+TEST_F(GateEvidence, ACalibrationThatIsGivenIsOfOneSpecimenAndHasItsLevelInItsFile) {
+  write_text(folder / "cal.toml", "gain_N_per_V = 0.62\noffset_N = 0.15\nb_scale = 1.2\nq_scale = 0.8\nlevel = \"identified\"\n");
+  const ProcessResult all = gate(kGood, "all", {"--cal", folder / "cal.toml"});
+  EXPECT_EQ(all.exit_code, 2) << all.out;
+  EXPECT_THAT(all.err, HasSubstr("a calibration is of one specimen, and 2 would be judged by it: q25, q50"));
+  for (const char* level : {"nominal", "static", "identified"}) {
+    const ProcessResult both = gate(kGood, "both", {"--cal", folder / "cal.toml", "--specimen", "q50", "--calibration", level});
+    EXPECT_EQ(both.exit_code, 2) << both.out;
+    EXPECT_THAT(both.err, HasSubstr("its level is in its file"));
+  }
+  const ProcessResult other = run({"gate", kGood, "--plan", "smoke", "--specimen", "q50", "--case", "sine_f0.50_A1.50_m2.70", "--cal", folder / "cal.toml", "-o", folder / "other"});
+  EXPECT_EQ(other.exit_code, 3) << other.out << other.err;
+  EXPECT_THAT(other.out, HasSubstr("NO-DECISION"));
+  EXPECT_THAT(other.out, Not(HasSubstr("to act: the firmware")));
 }
 
 TEST_F(GateEvidence, UnderAnotherPlanWhatWasNotPlayedIsMissingAndOldLimitsAreGone) {

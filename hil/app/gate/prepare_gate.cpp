@@ -141,8 +141,11 @@ void take_converter(CalibrationFile& calibration, GateRequest& request, GateSetu
   if (calibration.v_range_V) take("v_range_V", calibration.v_range_V, shortest(*calibration.v_range_V));
 }
 
-Result<void> choose_level(const GateRequest& request, Plan& plan) {
+Result<void> choose_level(const GateRequest& request, Plan& plan, bool can_move) {
   if (!request.level) return {};
+  if (can_move && !request.calibration_file.empty())
+    return fail(ErrorCode::usage, "a calibration is given (--cal), and how far to calibrate would say nothing: its level is in its file", "--calibration",
+                "leave out --calibration, or leave out --cal and the specimens are calibrated that far");
   plan.calibration.level = *request.level;
   if (*request.level == CalibrationLevel::identified && !plan.calibration.identification)
     return fail(ErrorCode::usage, "this plan cannot identify a specimen", plan.path.string(),
@@ -208,6 +211,14 @@ std::vector<std::string> all_specimens(const Plan& plan) {
   return out;
 }
 
+// Told of another sensor's gain a good build is wrong by as much, and nothing but luck keeps that apart from a bad one.
+Result<void> check_one_specimen(const GateRequest& request, const GateSetup& setup) {
+  if (!setup.rig.can_move || request.calibration_file.empty() || setup.specimens.size() < 2) return {};
+  return fail(ErrorCode::usage, fmt::format("a calibration is of one specimen, and {} would be judged by it: {}", setup.specimens.size(), join(setup.specimens, ", ")),
+              request.calibration_file.string(),
+              "name the one that it was measured on with --specimen; without --cal each is calibrated before it is judged");
+}
+
 // Unknown faults and specimens are mistakes of the request, not of the rig: the rig itself is asked.
 Result<void> check_faults_and_specimens(const GateRequest& request, const GateSetup& setup, Rig& rig) {
   FORCEGATE_CHECK_OK(check_wire_faults(request, setup.plan, calibrates(request, setup)));
@@ -249,7 +260,7 @@ Result<GateSetup> prepare_gate(GateRequest& request) {
   }
   Plan& plan = setup.plan;
   if (request.seed) plan.seed = *request.seed;
-  FORCEGATE_CHECK_OK(choose_level(request, plan));
+  FORCEGATE_CHECK_OK(choose_level(request, plan, setup.rig.can_move));
   FORCEGATE_CHECK_OK(select_from_plan(request, setup));
   FORCEGATE_CHECK_OK(check_lane_options(request, setup.lane));
   drop_replaced_limits(request, plan);
@@ -260,6 +271,7 @@ Result<GateSetup> prepare_gate(GateRequest& request) {
   FORCEGATE_CHECK_OK(every_case_has_checks(plan));
   note_unstated_reference(setup);
   setup.specimens = all_specimens(plan);
+  FORCEGATE_CHECK_OK(check_one_specimen(request, setup));
   FORCEGATE_CHECK_OK(check_faults_and_specimens(request, setup, *rig));
   return setup;
 }

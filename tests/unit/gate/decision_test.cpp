@@ -242,6 +242,37 @@ TEST(Decision, names_the_calibration_level_when_a_conforming_image_fails_for_wan
   EXPECT_NE(d.reason.find("calibration level 'nominal' is the cause"), std::string::npos);
 }
 
+TEST(Decision, a_calibration_that_was_given_is_never_the_firmwares_fault) {
+  auto checks = judged({check(50.0, 4.5, 0.3)});
+  RunEvents events;
+  EXPECT_EQ(decided(checks, events).blame, Blame::firmware);
+  Check fits = check(1.6, 1.0);
+  fits.id = "rig_calibration_fits";
+  fits.verdict = Verdict::inconclusive;
+  fits.blame = Blame::calibration;
+  std::vector<Check> misfit = checks;
+  misfit.push_back(fits);
+  const Decision one_misfits = decided(misfit, events);
+  EXPECT_EQ(one_misfits.kind, DecisionKind::no_decision);
+  EXPECT_EQ(one_misfits.exit_code, 3);
+  EXPECT_EQ(one_misfits.blame, Blame::calibration);
+  Check conformance = check(0.5, 1.0);
+  conformance.id = "conformance";
+  conformance.verdict = Verdict::pass;
+  checks.push_back(conformance);
+  EXPECT_EQ(decided(checks, events).kind, DecisionKind::reject);
+  events.calibration_given = true;
+  const Decision given = decided(checks, events);
+  EXPECT_EQ(given.kind, DecisionKind::no_decision);
+  EXPECT_EQ(given.blame, Blame::calibration);
+  Check crash;
+  crash.id = "firmware_runs";
+  crash.verdict = Verdict::fail;
+  crash.blame = Blame::firmware;
+  misfit.push_back(crash);
+  EXPECT_EQ(decided(misfit, events).kind, DecisionKind::reject) << "no calibration ends a firmware";
+}
+
 TEST(Decision, without_any_check_there_is_no_decision) {
   EXPECT_EQ(decided({}).exit_code, 3);
   Check waived = check(9.0, 1.0);
