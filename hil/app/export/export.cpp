@@ -42,6 +42,25 @@ std::vector<std::string> fit_notes(const ExportResult& r) {
   return out;
 }
 
+// The reason why it is too slow a rate rather than the model, where a faster one undoes it.
+Result<SelfCheck> check_itself(const Model& model, const Compensator& made, const CompensatorOptions& at) {
+  Result<SelfCheck> out = self_check(model, made, at.rate_Hz);
+  const bool has_states = std::ranges::any_of(model.user_effects, [](const UserEffect& effect) { return !effect.states.empty(); });
+  if (out || out.error().code != ErrorCode::config || !has_states) return out;
+  constexpr double kFastest_Hz = 20'000.0;
+  CompensatorOptions faster = at;
+  for (const double times : {2.0, 5.0, 10.0}) {
+    faster.rate_Hz = times * at.rate_Hz;
+    if (faster.rate_Hz > kFastest_Hz) break;
+    const auto again = make_compensator(model, faster);
+    if (!again || !self_check(model, *again, faster.rate_Hz)) continue;
+    out.error().hint = fmt::format("a state of its equations moves within a few of the {:g} samples a second: --rate {:g} undoes it, and the firmware must sample as fast",
+                                   at.rate_Hz, faster.rate_Hz);
+    break;
+  }
+  return out;
+}
+
 // Nobody tells a firmware what the film felt before it was switched on.
 std::string begins_anew(const Model& model) {
   const std::vector<std::string> effects = model.effect_names();
@@ -159,7 +178,7 @@ Result<ExportResult> export_model(const ExportRequest& request) {
     options.provenance.push_back(text + ".");
   }
   FORCEGATE_TRY(out.compensator, make_compensator(model, options));
-  FORCEGATE_TRY(out.self, self_check(model, out.compensator, request.rate_Hz));
+  FORCEGATE_TRY(out.self, check_itself(model, out.compensator, options));
   out.calibration = options.calibration;
   if (request.check) {
     FORCEGATE_TRY(const Campaign campaign, load_campaign(*request.check));

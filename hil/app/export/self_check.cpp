@@ -41,6 +41,25 @@ Record swing(const std::string& name, const SelfCheck& range, double period_s, b
   return r;
 }
 
+bool has_states(const Model& model) {
+  return std::ranges::any_of(model.user_effects, [](const UserEffect& effect) { return !effect.states.empty(); });
+}
+
+// As recorded forces do, by their noise and by a motor that hums; where the film has lost most of its swing, what a state is off counts most.
+Record rattling(Record r, const SelfCheck& range) {
+  constexpr double kInside = 0.9, kInsideDecayed = 0.7, kOfTheSpan = 0.015, kHz = 7.3, kLong_s = 1e3;
+  const double inside = r.excitation_start_s ? kInsideDecayed : kInside;
+  const double middle = 0.5 * (range.low_N + range.high_N);
+  Channel& F = r.trace.channels[0];
+  for (std::size_t i = 0; i < F.value.size(); ++i) {
+    const double rattle = std::sin(2.0 * std::numbers::pi * kHz * static_cast<double>(i) / kRowRate_Hz);
+    F.value[i] = middle + inside * (F.value[i] - middle) + kOfTheSpan * (range.high_N - range.low_N) * rattle;
+  }
+  r.trace.channels[1].value = F.value;
+  if (r.excitation_start_s) r.excitation_start_s = -kLong_s, r.A_N = inside * r.A_N.value_or(0.0);
+  return r;
+}
+
 }  // namespace
 
 Result<SelfCheck> self_check(const Model& model, const Compensator& compensator, double rate_Hz) {
@@ -52,6 +71,9 @@ Result<SelfCheck> self_check(const Model& model, const Compensator& compensator,
   forces.name = "the model's own answers";
   const double T = compensator.needs_temperature ? model.frame.temperature_C : kMissing;
   forces.records = {swing("slow swing", out, 20.0, false, T), swing("fast swing", out, 2.0, false, T), swing("decay", out, 2.0, true, T)};
+  // What an equation switches or follows within a few samples no smooth swing shows.
+  if (has_states(model))
+    for (const bool decays : {false, true}) forces.records.push_back(rattling(swing(decays ? "rattling, decayed" : "rattling swing", out, 4.0, decays, T), out));
   const Result<CompensatorCheck> check = check_compensator(model, compensator, rate_Hz, forces, std::min(kLongest_s, kMostSamples / rate_Hz));
   if (!check) {
     if (check.error().code != ErrorCode::io) return tl::unexpected(check.error());

@@ -16,7 +16,7 @@ struct SelfCheck {
   double low_N = 0.0, high_N = 0.0;  ///< range that was tried
 };
 
-/// A slow and a fast swing over the range, at rest and under decay. Errors (config): the header does not undo the model, with the force and the
+/// A slow and a fast swing over the range, at rest and under decay; beside equations with states one that rattles, also behind a long decay. Errors (config): the header does not undo the model, with the force and the
 /// difference; it does not compile.
 Result<SelfCheck> self_check(const Model& model, const Compensator& compensator, double rate_Hz);
 

@@ -49,6 +49,18 @@ TEST(SelfCheck, AHeaderThatDoesNotUndoItsModelIsRefusedWithTheForceAndTheDiffere
   EXPECT_FALSE(check.error().hint.empty());
 }
 
+// Smooth swings saw 0.3 mN of it, and records 30 mN.
+TEST(SelfCheck, AStateThatIsFasterThanTheSamplesIsSeenAndUndoneAtAFasterRate) {
+  const auto model = parse_model("[law]\nspan_N = 2.987\nlowest_N = 0.412\ngain_N_per_V = 0.62\noffset_N = 0.15\nb_scale = 1.2\nq_scale = 0.81\n[[effect]]\nname = \"softening\"\n"
+                                 "output = \"k * (M - F) * F\"\nstate.M = \"F > M ? 50 * (F - M) : (F - M) / tau\"\nparameter.k = 0.05\nparameter.tau = 200\n", "m.toml");
+  ASSERT_TRUE(model) << model.error().to_text();
+  for (const double rate_Hz : {100.0, 1000.0}) {
+    const auto made = make_compensator(*model, at(rate_Hz));
+    ASSERT_TRUE(made) << made.error().to_text();
+    EXPECT_EQ(self_check(*model, *made, rate_Hz).has_value(), rate_Hz > 500.0) << rate_Hz;
+  }
+}
+
 // The forms fall at different forces; together the output went down between 0.1 and 0.2 N, and a header was written.
 TEST(SelfCheck, DeadZonesThatFallTogetherAreNoModelToInvert) {
   const Model fallen = with(dead_zone("skewed", "0.8", "0.6") + dead_zone("closing", "-4.8", "0.06") + dead_zone("spread", "-0.09", "1.2"));
