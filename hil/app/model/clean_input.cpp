@@ -1,6 +1,7 @@
 #include "hil/app/model/clean_input.h"
 
 #include "hil/base/largest_first.h"
+#include "hil/base/text.h"
 #include "hil/diagnose/base/own_decay.h"
 #include "hil/diagnose/raw/absurd_force.h"
 #include "hil/diagnose/raw/clean_samples.h"
@@ -22,6 +23,16 @@ Result<CampaignInput> clean_input(Campaign campaign, unsigned threads, const Row
   FORCEGATE_TRY(CampaignInput out, make_campaign_input(campaign, threads, parts, bad));
   diagnose::settle_excitations(out.records, threads);
   return out;
+}
+
+std::string note_of_assumed_cycles(const std::vector<RecordInput>& records) {
+  std::vector<std::string> names;
+  for (const RecordInput& r : records)
+    if (r.dynamic && r.dynamic_assumed) names.push_back(r.name);
+  if (names.empty()) return {};
+  return "nobody declared whether " + join(names, ", ") + (names.size() == 1 ? " is" : " are") +
+         " cycled, and the swing of the output decays: the decay of the law is in what the model says of " + (names.size() == 1 ? "it" : "them") +
+         " (\"dynamic\" in campaign.json declares it)";
 }
 
 }  // namespace forcegate

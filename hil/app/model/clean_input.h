@@ -10,4 +10,7 @@ namespace forcegate {
 /// sample or one at a rail is not ok. Which records are cyclic is decided as there. Errors: those of make_campaign_input.
 Result<CampaignInput> clean_input(Campaign campaign, unsigned threads, const RowParts& parts = {});
 
+/// One sentence that names the records which nobody declared and whose swing decays: the law's decay applies to them. "" where there is none.
+std::string note_of_assumed_cycles(const std::vector<RecordInput>& records);
+
 }  // namespace forcegate

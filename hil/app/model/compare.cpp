@@ -40,8 +40,9 @@ ModelComparison::AsWritten as_written(const RecordInput& r, const std::vector<do
   return {r.name, std::sqrt(square / std::max(n, 1.0)), swing > 0.0 ? std::sqrt(square / swing) : 0.0, swing > 0.0 ? std::sqrt(swing_of_model / swing) : 1.0};
 }
 
-Result<std::vector<ModelComparison::AsWritten>> as_written(const Model& model, CampaignInput rows, unsigned threads) {
+Result<std::vector<ModelComparison::AsWritten>> as_written(const Model& model, CampaignInput rows, unsigned threads, std::string& note) {
   diagnose::settle_excitations(rows.records, threads);
+  if (model.law.decays) note = note_of_assumed_cycles(rows.records);
   for (RecordInput& r : rows.records) set_decay(r, model.law);
   const CampaignInFrame input(model.frame, std::move(rows));
   const std::vector<RecordInput>& records = input.input().records;
@@ -88,11 +89,12 @@ Result<ModelComparison> compare_recordings(const CampaignRequest& request, Campa
   const Channel* force = first.trace.find("F_ref");
   const std::string force_header = force != nullptr ? written_header(*force, first.headers) : "F_ref_N";
   const bool is_comparable = output_unit(campaign) == model.output_unit;
+  std::string assumed_cycles;
   if (!is_comparable) {
     leave_out_as_written(campaign, model, out);
   } else if (campaign.records.size() == 1) {  // the comparison cuts it into blocks, and the model is asked about the whole
     FORCEGATE_TRY(CampaignInput whole, clean_input(campaign, request.threads));
-    FORCEGATE_TRY(out.as_written, as_written(model, std::move(whole), request.threads));
+    FORCEGATE_TRY(out.as_written, as_written(model, std::move(whole), request.threads, assumed_cycles));
   }
   if (diagnose::is_drift_only(campaign)) campaign.notes.push_back(diagnose::what_the_force_shows(campaign));
   diagnose::EngineOptions options = engine_options(model, request.threads);
@@ -100,7 +102,7 @@ Result<ModelComparison> compare_recordings(const CampaignRequest& request, Campa
   options.pictures = pictures;
   FORCEGATE_TRY(diagnose::CampaignRows rows, diagnose::take_rows(std::move(campaign), options));
   if (out.as_written.empty()) {
-    FORCEGATE_TRY(out.as_written, as_written(model, rows.input, request.threads));
+    FORCEGATE_TRY(out.as_written, as_written(model, rows.input, request.threads, assumed_cycles));
   }
   constexpr std::size_t kFewestOfOne = 200;  // usable rows that prepare() asks of a single recording
   const auto& records = rows.input.records;
@@ -109,6 +111,12 @@ Result<ModelComparison> compare_recordings(const CampaignRequest& request, Campa
   std::string of_samples = diagnose::note_of_claims(rows.raw_claims);
   FORCEGATE_TRY(std::unique_ptr<diagnose::Workspace> w, diagnose::prepare(std::move(rows), options));
   FORCEGATE_TRY(out.view, diagnose::compare_workspace(*w, options));
+  if (out.too_short) {  // nothing is left to fit a law on where it is left out
+    for (RecordError& r : out.view.records) r.plain_before = r.plain_after = kMissing;
+    out.view.plain_before = out.view.plain_after = kMissing;
+    out.view.errors["U_plain"] = {kMissing, kMissing, out.view.unit};
+  }
+  if (!assumed_cycles.empty()) out.view.notes.push_back(std::move(assumed_cycles));
   if (!of_unit.empty()) out.view.notes.push_back(std::move(of_unit));
   if (!of_samples.empty()) out.view.notes.push_back(std::move(of_samples));
   if (pictures) out.pictures = record_pictures(*w, model);
@@ -147,7 +155,7 @@ std::string comparison_text(const ModelComparison& c) {
     std::string written = "-";
     for (const auto& a : c.as_written)
       if (a.record == r.record && std::isfinite(a.rmse_V)) written = plain_number(unit.factor * a.rmse_V);
-    row(r.record, r.kind, written, plain_number(unit.factor * r.plain_before), plain_number(unit.factor * r.before),
+    row(r.record, r.kind, written, std::isfinite(r.plain_before) ? plain_number(unit.factor * r.plain_before) : "-", plain_number(unit.factor * r.before),
         plain_number(unit.factor * r.floor), fmt::format("{:.0f}", 100.0 * r.explainable));
     out += r.heldout ? "  held out\n" : "\n";
   }
@@ -161,6 +169,7 @@ std::string comparison_text(const ModelComparison& c) {
                        d.maps[k].sentence);
   if (d.maps.empty() || d.maps.front().share <= kLeastShare)
     out += "  nowhere in particular: no coordinate predicts it on rows that it was not made from\n";
+  if (c.as_written.size() == 1) return out;  // what repeats itself takes two
   out +=
       fmt::format("repeatability between records: gain {:.2g} %, offset {} {}, b {:.2g} %, q {:.2g} %; the zero within a record: {} {} RMS\n",
                   100.0 * d.repeatability.gain, plain_number(unit.factor * d.repeatability.offset_V), unit.name,

@@ -67,6 +67,7 @@ Result<Simulation> simulate_request(const CampaignRequest& request, const std::f
                         ": the two columns cannot be compared, and no error is told; forcegate fit CAMPAIGN -o FILE makes a model in " + out.unit);
   const OutputColumn measured(out.unit), modelled(out.model_unit);
   FORCEGATE_TRY(CampaignInput rows, clean_input(std::move(campaign), request.threads));
+  if (std::string note = model.law.decays ? note_of_assumed_cycles(rows.records) : std::string(); !note.empty()) out.notes.push_back(std::move(note));
   for (RecordInput& r : rows.records) set_decay(r, model.law);
   const CampaignInFrame input(model.frame, std::move(rows));
   NewFiles files;

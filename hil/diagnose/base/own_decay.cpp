@@ -141,9 +141,14 @@ void settle_excitations(std::vector<RecordInput>& records, unsigned threads) {
   const bool others_decay = some_decay(own);
   for (std::size_t k = 0; k < records.size(); ++k) {
     RecordInput& r = records[k];
-    if (!r.dynamic || !r.dynamic_assumed || !r.frequency_jumps_s.empty() || own[k].is_decay(others_decay)) continue;
+    if (!r.dynamic || !r.dynamic_assumed || own[k].is_decay(others_decay)) continue;
     r.found_static = true;
+    // a change of frequency may show where nothing decays too
+    std::vector<double> jumps_s = std::move(r.frequency_jumps_s), ratios = std::move(r.jump_log_ratio);
+    const double lowest_N = r.F_min_N;
     set_static(r);
+    r.frequency_jumps_s = std::move(jumps_s), r.jump_log_ratio = std::move(ratios);
+    r.jumps_F_min_N = lowest_N;
   }
 }
 

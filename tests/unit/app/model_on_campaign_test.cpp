@@ -185,5 +185,44 @@ TEST_F(ModelOnCampaign, AHeaderIsZeroWhereItsModelWasFittedAndNotWhereItIsChecke
   EXPECT_NE(other.error().text.find("zero at 21 degC"), std::string::npos) << other.error().to_text();
 }
 
+// Ramps of 4 N, then sines of 1.2 N: where the frequency changes as well the fall of the force was taken for that of the film.
+TEST_F(ModelOnCampaign, ASwingOfTheForceThatBecomesSmallerIsNoDecay) {
+  std::string text = "t_s,F_ref_N,U_V\n";
+  Rng rng(4, "falling swing");
+  for (int i = 0; i < 20000; ++i) {
+    const double t = 0.01 * i, ramp = 2.0 + 4.0 * (std::abs(std::fmod(t / 20.0, 2.0) - 1.0) - 0.5), F = t < 100.0 ? ramp : 2.0 + 0.6 * std::sin(2.0 * std::numbers::pi * 0.5 * t);
+    text += std::to_string(t) + "," + std::to_string(F) + "," + std::to_string(0.2 + 2.0 * F + 0.002 * rng.normal()) + "\n";
+  }
+  CampaignRequest request;
+  request.campaign = put("falls.csv", text);
+  request.threads = 1;
+  request.model = put("decays.toml", "[law]\ngain_N_per_V = 0.5\noffset_N = -0.1\n").string();
+  const auto compared = compare_request(request);
+  ASSERT_TRUE(compared) << compared.error().to_text();
+  EXPECT_LT(compared->as_written.at(0).rmse_V, 0.01);
+  const auto simulated = simulate_request(request, folder_ / "out");
+  ASSERT_TRUE(simulated) << simulated.error().to_text();
+  EXPECT_LT(simulated->items.at(0).rmse_V.value_or(9.0), 0.01);
+}
+
+TEST_F(ModelOnCampaign, OfOneShortRecordingNoLawIsLeftToRefitAndNothingRepeatsItself) {
+  std::string text = "t_s,F_ref_N,U_V\n";
+  for (int i = 0; i < 199; ++i) {
+    const double F = 2.0 + 1.5 * std::sin(0.1 * i);
+    text += std::to_string(2.0 * i) + "," + std::to_string(F) + "," + std::to_string(0.2 + 2.0 * F + (i % 2 == 0 ? 0.003 : -0.003)) + "\n";
+  }
+  CampaignRequest request;
+  request.campaign = put("short.csv", text);
+  request.threads = 1;
+  request.model = put("exact.toml", "[law]\nkind = \"static\"\ngain_N_per_V = 0.5\noffset_N = -0.1\n").string();
+  const auto compared = compare_request(request);
+  ASSERT_TRUE(compared) << compared.error().to_text();
+  ASSERT_TRUE(compared->too_short);
+  const std::string said = comparison_text(*compared);
+  EXPECT_NE(said.find("            -"), std::string::npos) << said;
+  EXPECT_EQ(said.find("repeatability"), std::string::npos) << said;
+  EXPECT_NE(comparison_json(*compared).find("\"plain_before\": null"), std::string::npos) << comparison_json(*compared);
+}
+
 }  // namespace
 }  // namespace forcegate
