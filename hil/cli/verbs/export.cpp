@@ -93,8 +93,8 @@ const Registration<Command> kRow{Command{
     .description =
         "Turns a fitted model with its added effects into one C11 header: voltage in, force out. No heap, no libm, no double, a "
         "fixed bound on the work of a sample, which stands in the header's comment beside parameters and provenance. Hysteresis, "
-        "creep, lag, static curves, dead zone, thermal effects and your own equations can be inverted; what cannot be is refused "
-        "by name, with the reason.\n\n"
+        "creep, lag, static curves, dead zone, thermal effects and your own equations can be inverted where a tenth of a sudden change of force reaches "
+        "the output at --rate; what cannot be is refused by name, with the reason.\n\n"
         "A calibration by straight line and decay is wrong on a sensor that creeps. What the calibration of --plan makes of this "
         "sensor is simulated, and the header takes it back.\n\n"
         "The diagnosis lets every record have its own gain and decay; a firmware cannot. --fit refits one law for all records, "

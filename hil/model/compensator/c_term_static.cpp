@@ -159,7 +159,7 @@ Result<CTerm> dead_zone(const ModelEffect& e, const CTermContext& x) {
   if (e.form == "hard" && strength_of(e, 0) > 0.9)
     return refuse("dead_zone",
                   "below the turn-on force the output does not change, so nothing can be inverted there",
-                  "use the form distributed, or keep the force above the turn-on");
+                  "keep the force above the turn-on, and export a model without this effect that was fitted there");
   CTerm t;
   const std::string& id = x.id;
   const double F0 = shape_of(e, 0), c = strength_of(e, 0);

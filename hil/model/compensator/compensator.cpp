@@ -162,7 +162,13 @@ struct Together {
   }
 };
 
-Result<void> check_can_be_inverted(const std::vector<CTerm>& terms, double slope, double margin) {
+std::string what_else(const std::string& effect) {
+  if (effect == "hysteresis") return "accept the loop: where its play swallows a reversal, the output stands still and nothing tells the force";
+  if (effect == "lag") return "filter the reference alike, or accept the lag";
+  return "accept it, or filter the reference alike";
+}
+
+Result<void> check_can_be_inverted(const std::vector<CTerm>& terms, double slope, double margin, double rate_Hz) {
   if (slope >= kLeastSlope) return {};
   std::string steepest = "the model", falls;
   double least = 0.0;
@@ -172,10 +178,10 @@ Result<void> check_can_be_inverted(const std::vector<CTerm>& terms, double slope
     return c_terms::refuse(steepest, falls, "export a model file without this effect, or give it an equation that grows with the force");
   return fail(ErrorCode::config,
               fmt::format("{} cannot be compensated on a microcontroller: it leaves {:.2g} of a sudden change of force in the output{}, and its "
-                          "inverse would amplify noise by more than {:.0f}",
+                          "inverse at {:g} Hz would amplify noise by more than {:.0f}",
                           steepest, std::max(0.0, slope + margin),
-                          slope + margin < kLeastSlope ? "" : " where that was tried, less than a tenth for certain", 1.0 / kLeastSlope),
-              steepest, "filter the reference alike, or accept the lag");
+                          slope + margin < kLeastSlope ? "" : " where that was tried, less than a tenth for certain", rate_Hz, 1.0 / kLeastSlope),
+              steepest, what_else(steepest));
 }
 
 std::string opening_comment(const Model& model, const CompensatorOptions& options, const std::vector<CTerm>& terms, const Compensator& made) {
@@ -263,7 +269,7 @@ Result<Compensator> make_compensator(const Model& model, const CompensatorOption
   constexpr int kBesideEvaluation = 7;  // operations
   FORCEGATE_TRY(const std::vector<CTerm> terms, terms_of(model, options));
   const Together all(terms);
-  FORCEGATE_CHECK_OK(check_can_be_inverted(terms, all.slope, all.margin));
+  FORCEGATE_CHECK_OK(check_can_be_inverted(terms, all.slope, all.margin, options.rate_Hz));
   Compensator out;
   out.id = short_id(model);
   for (const CTerm& t : terms) out.effects.push_back(t.title);
