@@ -40,8 +40,14 @@ std::vector<std::string> undone_as_written_notes(const Model& model) {
   for (const std::string& name : never_fitted_equations(model))
     out.push_back(name + " was never fitted (no parameter has an se): the header undoes it with the numbers that are written; forcegate add " + name +
                   " --fit CAMPAIGN fits it, as --fit does here");
+  const auto does_nothing = [&](const std::string& name) {
+    return std::ranges::all_of(model.effects, [&](const ModelEffect& e) {
+      return e.effect != name || std::ranges::all_of(e.strength, [](const ModelParameter& p) { return p.value == 0.0; });
+    });
+  };
   for (const std::string& name : never_fitted_effects(model))
-    out.push_back(name + " is a guess (no parameter has an se): the header undoes it with the numbers that are written; --fit CAMPAIGN fits it");
+    if (does_nothing(name)) out.push_back(name + " has no strength in the model file, or one of 0: the header does nothing about it; write one, or --fit CAMPAIGN fits it");
+    else out.push_back(name + " is a guess (no parameter has an se): the header undoes it with the numbers that are written; --fit CAMPAIGN fits it");
   return out;
 }
 

@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "hil/app/export/export.h"
+#include "hil/app/model/never_fitted.h"
+#include "hil/model/model_toml.h"
 
 namespace forcegate {
 namespace {
@@ -49,6 +51,16 @@ TEST(ExportJson, SaysWhatTheTextNotes) {
   ASSERT_EQ(json["fit"]["records"].size(), 2u);
   EXPECT_EQ(json["fit"]["records"][0]["record"], "a");
   EXPECT_EQ(json["fit"]["records"][0]["model_V"], 0.02);
+}
+
+TEST(ExportText, OfAnEffectWithoutAStrengthSaysThatNothingIsDone) {
+  const auto notes = [](const std::string& strength) {
+    const auto model = parse_model("[law]\nkind = \"static\"\ngain_N_per_V = 0.5\noffset_N = 0.1\n[[effect]]\nname = \"lag\"\nshape.tau_s = 0.005\n" + strength, "m.toml");
+    EXPECT_TRUE(model) << model.error().to_text();
+    return undone_as_written_notes(model.value_or(Model{}));
+  };
+  EXPECT_THAT(notes(""), testing::ElementsAre(HasSubstr("lag has no strength in the model file, or one of 0: the header does nothing about it")));
+  EXPECT_THAT(notes("strength.c = 1.0\n"), testing::ElementsAre(HasSubstr("the header undoes it with the numbers that are written")));
 }
 
 }  // namespace
