@@ -202,6 +202,17 @@ TEST_F(GateEvidence, ACalibrationThatIsGivenIsOfOneSpecimenAndHasItsLevelInItsFi
   EXPECT_THAT(other.out, Not(HasSubstr("to act: the firmware")));
 }
 
+TEST_F(GateEvidence, AnImageThatIsCutShortIsToldBeforeAnythingMoves) {
+  for (const char* image : {kGood, kUart}) {
+    const std::string whole = read_text(image);
+    write_text(folder / "cut", whole.substr(0, whole.size() - 1000));  // with what tells its lane
+    const ProcessResult r = gate(folder / "cut", "cut-run");
+    EXPECT_EQ(r.exit_code, 2) << r.out;
+    EXPECT_THAT(r.err, HasSubstr("cut short or damaged: it has " + std::to_string(whole.size() - 1000) + " bytes"));
+    EXPECT_THAT(r.err, Not(HasSubstr("%"))) << "no progress of a calibration";
+  }
+}
+
 TEST_F(GateEvidence, UnderAnotherPlanWhatWasNotPlayedIsMissingAndOldLimitsAreGone) {
   ASSERT_EQ(gate(kGood, "part", {"--case", "slow"}).exit_code, 0);
   const ProcessResult part = run({"check", folder / "part", "--plan", plan, "-o", folder / "judged.json"});

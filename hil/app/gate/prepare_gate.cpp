@@ -4,6 +4,7 @@
 #include <iterator>
 #include <set>
 
+#include "adapters/link/image.h"
 #include "hil/app/files/find_plan.h"
 #include "hil/app/files/named_once.h"
 #include "hil/app/gate/gate_jobs.h"
@@ -252,6 +253,8 @@ Result<GateSetup> prepare_gate(GateRequest& request) {
   }
   FORCEGATE_TRY(const auto rig, make_rig(request.rig, request.rig_options));
   FORCEGATE_TRY(setup.lane, choose_lane(request, rig->board_lane()));
+  // before specimens are calibrated for it
+  if (const auto image = link::inspect_image(request.firmware)) FORCEGATE_CHECK_OK(link::check_whole(*image, request.firmware.string()));
   FORCEGATE_TRY(const std::filesystem::path plan_path, find_plan(request.plan));
   FORCEGATE_TRY(setup.plan, read_plan(plan_path));
   setup.rig = rig->info();
