@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <csignal>
 
@@ -86,9 +87,11 @@ TEST_F(Record, GoesOnAfterALaterRecordFailedAndMakesTheSameCampaign) {
   EXPECT_EQ(other.exit_code, 2);
   EXPECT_THAT(other.err, HasSubstr("another campaign already: seed 1 there, 5 asked\n"));
   write_text(out + "/r02_long.csv.part2147483647", "half");  // of a killed run: no process has that number
+  write_text(out + "/r02_long.csv.part" + std::to_string(::getpid()), "half");  // the number lives, as that of a killed process does until its parent asks
   write_text(out + "/mine.part2147483647", "of somebody else");
   const ProcessResult rest = forcegate({"record", "--plan", file, "--continue", "-o", out});
   EXPECT_FALSE(fs::exists(out + "/r02_long.csv.part2147483647"));
+  EXPECT_FALSE(fs::exists(out + "/r02_long.csv.part" + std::to_string(::getpid())));
   EXPECT_TRUE(fs::exists(out + "/mine.part2147483647"));
   EXPECT_EQ(rest.exit_code, 0) << rest.err;
   EXPECT_THAT(rest.out, HasSubstr("beside 1 that were there"));

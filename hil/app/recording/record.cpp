@@ -1,10 +1,9 @@
 #include "hil/app/recording/record.h"
 
 #include <fmt/format.h>
-#include <signal.h>
+#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -70,7 +69,8 @@ Result<Recorded> recorded_of(const fs::path& list, const std::vector<ProfileToRe
   return out;
 }
 
-/// Files of ours that a killed run has half written: NAME.partPID of no process that lives.
+/// Files of ours that a killed run has half written: NAME.partPID. The folder is claimed, so no other run writes here; a number that lives is
+/// that of a killed one whom nobody has buried yet, or of a process that has it now.
 void remove_halves(const fs::path& folder) {
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder, ignored)) {
@@ -79,7 +79,7 @@ void remove_halves(const fs::path& folder) {
     if (at == std::string::npos || !(name.substr(0, at) == "campaign.json" || (name.starts_with("r") && name.substr(0, at).ends_with(".csv")))) continue;
     pid_t pid = 0;
     const char *first = name.data() + at + 5, *last = name.data() + name.size();
-    if (const auto read = std::from_chars(first, last, pid); read.ptr != last || pid <= 1 || ::kill(pid, 0) == 0 || errno != ESRCH) continue;
+    if (const auto read = std::from_chars(first, last, pid); read.ptr != last || pid <= 1 || pid == ::getpid()) continue;
     fs::remove(entry.path(), ignored);
   }
 }
