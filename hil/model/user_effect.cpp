@@ -9,7 +9,7 @@ namespace forcegate {
 namespace {
 
 // A power that is not whole, a root and a logarithm have no value below zero, where a reference's zero or its noise easily is.
-std::string why_without_value(const UserEffect& effect, double F_N, double dF_N_per_s) {
+std::string why_without_value(const UserEffect& effect, double value, double F_N, double dF_N_per_s) {
   const auto has = [&](const char* word) { return effect.output.find(word) != std::string::npos; };
   const std::string general = "check divisions and bounds of its equations";
   if (!has("^") && !has("sqrt") && !has("ln") && !has("log")) return general;
@@ -19,6 +19,7 @@ std::string why_without_value(const UserEffect& effect, double F_N, double dF_N_
     return fmt::format("F is {:.3g} N there: a power that is not whole, a root or a logarithm of it has no value; write abs(F)^1.5 or max(F, 0)^1.5 for F^1.5", F_N);
   if (dF_N_per_s <= 0.0 && has("dF"))
     return fmt::format("dF is {:.3g} N/s there: a power that is not whole, a root or a logarithm of it has no value; write abs(dF)^1.5 for dF^1.5", dF_N_per_s);
+  if (std::isnan(value)) return "what stands under a power that is not whole, a root or a logarithm is below 0 there, and has none: write abs(..)^1.5 or max(.., 0)^1.5 for (..)^1.5";
   return general;
 }
 
@@ -57,7 +58,7 @@ Result<std::vector<double>> user_effect_N(const UserEffect& effect, const Record
                                 record.t_s[i]),
                     place(k + 1), "its derivative must pull it back; a time constant must be longer than a row of the record");
     return fail(ErrorCode::config, fmt::format("the effect \"{}\" gives a value that is not finite at {:.4g} s", effect.name, record.t_s[i]),
-                place(0), why_without_value(effect, e.F, e.dF));
+                place(0), why_without_value(effect, e.output(), e.F, e.dF));
   };
   std::vector<double> out(record.rows()), start(states), slope(states);
   for (std::size_t i = 0; i < record.rows(); ++i) {

@@ -98,6 +98,7 @@ TEST(UserEffect, APowerWithoutAValueBelowZeroIsToldWithItsCure) {
   };
   EXPECT_NE(hint("0.1 * F^1.5").find("abs(F)^1.5"), std::string::npos) << hint("0.1 * F^1.5");
   EXPECT_NE(hint("0.1 * dF^1.5").find("abs(dF)^1.5"), std::string::npos) << hint("0.1 * dF^1.5");
+  EXPECT_NE(hint("0.1 * (F - 99)^1.5").find("abs(..)^1.5"), std::string::npos) << hint("0.1 * (F - 99)^1.5");
   EXPECT_NE(hint("1 / (F - F)").find("divisions"), std::string::npos);
 }
 
