@@ -85,7 +85,7 @@ std::string without_segments(const Diagnosis& d) {
 
 }  // namespace
 
-std::string next_text(const Diagnosis& d) {
+std::string next_text(const Diagnosis& d, const std::filesystem::path& folder) {
   const NextExperiment& n = d.next_experiment;
   if (n.segments.empty()) return without_segments(d);
   bool files = false;
@@ -94,7 +94,10 @@ std::string next_text(const Diagnosis& d) {
     out += fmt::format("  {:<38} {:>4.2g} min  parts {}: odds {} -> {} to 1{}, likeness {:.2f} -> {:.2f}\n",
                        s.name, s.minutes, s.separates, odds_text(s.odds_before), odds_text(s.odds_after),
                        s.odds_stated ? "" : " by the evidence", s.cosine_before, s.cosine_after);
-    out += "      forcegate stimulus " + s.stimulus + " " + parameters_text(s, static_cast<std::size_t>(&s - n.segments.data()) + 1);
+    std::string parameters = parameters_text(s, static_cast<std::size_t>(&s - n.segments.data()) + 1);
+    // the file lies nowhere before it is written
+    if (const std::string path = "path=profiles/"; parameters.starts_with(path)) parameters.replace(0, path.size(), "path=" + (folder.empty() ? std::string("FOLDER") : shell_quoted(folder.string())) + "/profiles/");
+    out += "      forcegate stimulus " + s.stimulus + " " + parameters;
     if (s.stimulus == "replay") out += fmt::format("  ({:.3g} to {:.3g} N)", s.low_N(), s.high_N()), files = true;
     if (s.heats) out += fmt::format("  while it warms up by {:g} degC", s.rise_degC);
     out += "\n";

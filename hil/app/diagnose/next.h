@@ -5,7 +5,8 @@
 
 namespace forcegate {
 
-std::string next_text(const Diagnosis& diagnosis);
+/// `folder`: where the forces are written to; "": nowhere yet.
+std::string next_text(const Diagnosis& diagnosis, const std::filesystem::path& folder = {});
 std::string next_json(const Diagnosis& diagnosis);
 
 }  // namespace forcegate

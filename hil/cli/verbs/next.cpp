@@ -82,7 +82,7 @@ Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const Diagnosis diagnosis, diagnose_request(request));
   const NextExperiment& answer = diagnosis.next_experiment;
   if (answer.segments.empty()) return settled(in, diagnosis);
-  in.console().print(next_text(diagnosis));
+  in.console().print(next_text(diagnosis, in.given("output") ? std::filesystem::path(in.text("output")) : std::filesystem::path()));
   if (in.given("output")) return write(in, diagnosis);
   in.console().print_json(next_json(diagnosis));
   // a rig that was named, or the sensor of a mystery, can play them; the emulated rig's own sensor is not that of the records

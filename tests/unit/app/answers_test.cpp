@@ -149,5 +149,16 @@ TEST(DiffText, SaysWhereAValueHasNoLimit) {
   EXPECT_THAT(diff_text(d), HasSubstr("% (pass)\n"));
 }
 
+TEST(NextText, TheFileOfAReplayLiesWhereItIsWritten) {
+  Diagnosis d;
+  ExperimentSegment segment;
+  segment.name = "fast edges";
+  segment.stimulus = "replay";
+  segment.t_s = {0.0, 1.0}, segment.force_N = {1.0, 2.0};
+  d.next_experiment.segments = {segment};
+  EXPECT_THAT(next_text(d), HasSubstr("path=FOLDER/profiles/1_fast_edges.csv"));
+  EXPECT_THAT(next_text(d, "my nx"), HasSubstr("path='my nx'/profiles/1_fast_edges.csv"));
+}
+
 }  // namespace
 }  // namespace forcegate
