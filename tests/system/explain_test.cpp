@@ -65,5 +65,13 @@ TEST(ExplainedWords, BesideTheNumbersOfAReportAndThoseOfFormsAreKnown) {
   }
 }
 
+TEST(ExplainedWords, WithoutAWordAreThoseOfEveryKind) {
+  const auto terms = nlohmann::json::parse(forcegate({"explain", "--json"}, kHere).out)["terms"];
+  std::set<std::string> kinds, words;
+  for (const auto& term : terms) kinds.insert(term["kind"].get<std::string>()), words.insert(term["term"].get<std::string>());
+  for (const char* kind : {"decision", "verdict", "exit code", "check", "effect", "figure"}) EXPECT_TRUE(kinds.contains(kind)) << kind;
+  for (const char* word : {"NO-DECISION", "mre_maxima", "creep"}) EXPECT_TRUE(words.contains(word)) << word;
+}
+
 }  // namespace
 }  // namespace forcegate::test

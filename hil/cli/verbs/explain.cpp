@@ -82,6 +82,8 @@ Result<int> run(const Invocation& in) {
       console.print(row_of(e.term, e.meaning));
       add(e);
     }
+    std::ranges::for_each(check_explanations(), add);
+    for (const EffectKind& effect : EffectRegistry::instance().all()) add(explanation_of(effect));
     console.print("\n" + console.paint(Paint::strong, "check") + "\n" + row_of("", join(checks(), ", ")));
     console.print("\n" + console.paint(Paint::strong, "effect") + "\n" + row_of("", join(EffectRegistry::instance().names(), ", ")));
     console.print_json(document.dump(2));
