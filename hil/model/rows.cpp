@@ -152,6 +152,8 @@ void set_full_rate(std::vector<double> t, std::vector<double> F, RecordInput& ou
   out.fast_F_N = std::move(F);
 }
 
+constexpr double kFewestOfOneRecording = 200.0;  // rows, that prepare() of a diagnosis asks of a single one
+
 Unexpected too_short(const Record& record, std::size_t samples, std::string hint) {
   return fail(ErrorCode::parse, "the record has only " + std::to_string(samples) + (samples == 1 ? " sample" : " samples"), record.place(), std::move(hint));
 }
@@ -237,7 +239,7 @@ Result<RecordInput> make_rows(const Record& record, std::span<const std::uint8_t
                 record.place_of_header(), "name the columns F_ref_N and U_V, or map yours with --map OTHER=F_ref_N");
   const std::size_t clock = F->time_base;
   const std::vector<double> t = since_start(trace.time_bases[clock].t_s);
-  if (static_cast<double>(t.size()) < kFewestRows) return too_short(record, t.size(), "at least 16 samples are needed");
+  if (static_cast<double>(t.size()) < kFewestRows) return too_short(record, t.size(), "at least 16 samples are needed, and " + shortest(kFewestOfOneRecording) + " of a recording that is diagnosed alone");
 
   RecordInput out;
   out.name = record.name;
@@ -245,7 +247,7 @@ Result<RecordInput> make_rows(const Record& record, std::span<const std::uint8_t
   out.heldout = record.role == RecordRole::heldout;
   const double step = median_step(t);
   const double samples = samples_of_row(step, row_step_s), needed = kFewestRows * samples;
-  if (!(static_cast<double>(t.size()) >= needed)) return too_short(record, t.size(), "at least " + shortest(needed) + " are needed at this rate; leave the record out");
+  if (!(static_cast<double>(t.size()) >= needed)) return too_short(record, t.size(), "at least " + shortest(needed) + " are needed at this rate, and " + shortest(kFewestOfOneRecording * samples) + " of a recording that is diagnosed alone; leave the record out");
   out.row_step_s = step * samples;
   out.row_begin = cut_rows(t, out.row_step_s, static_cast<std::size_t>(samples));
   out.clock_start_s = trace.time_bases[clock].t_s.front();

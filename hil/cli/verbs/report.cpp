@@ -27,6 +27,7 @@ Result<int> run(const Invocation& in) {
        answer.text.size()}}.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
   if (in.given("output") && request.format == "html")
     in.console().look_at(in.text("output"));
+  else if (request.format == "console" || in.given("output")) in.console().next("forcegate explain " + std::string(to_string(answer.result.decision.kind)));
   return kExitSuccess;
 }
 
