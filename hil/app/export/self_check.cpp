@@ -47,13 +47,13 @@ bool has_states(const Model& model) {
 
 // As recorded forces do, by their noise and by a motor that hums; where the film has lost most of its swing, what a state is off counts most.
 Record rattling(Record r, const SelfCheck& range) {
-  constexpr double kInside = 0.9, kInsideDecayed = 0.7, kOfTheSpan = 0.015, kHz = 7.3, kLong_s = 1e3;
+  constexpr double kInside = 0.9, kInsideDecayed = 0.7, kRattle = 0.015, kHz = 7.3, kLong_s = 1e3;
   const double inside = r.excitation_start_s ? kInsideDecayed : kInside;
   const double middle = 0.5 * (range.low_N + range.high_N);
   Channel& F = r.trace.channels[0];
   for (std::size_t i = 0; i < F.value.size(); ++i) {
     const double rattle = std::sin(2.0 * std::numbers::pi * kHz * static_cast<double>(i) / kRowRate_Hz);
-    F.value[i] = middle + inside * (F.value[i] - middle) + kOfTheSpan * (range.high_N - range.low_N) * rattle;
+    F.value[i] = middle + inside * (F.value[i] - middle) + kRattle * (range.high_N - range.low_N) * rattle;
   }
   r.trace.channels[1].value = F.value;
   if (r.excitation_start_s) r.excitation_start_s = -kLong_s, r.A_N = inside * r.A_N.value_or(0.0);
