@@ -92,6 +92,7 @@ const Finding* claimed_curve(const Diagnosis& d) {
 struct AskedBend {
   Bend bend;
   double lag_s = 0.0;
+  bool is_whole = false;  ///< of no form of the library: whatever the sensor's own curve may be
 };
 
 // A curve that the model leaves to its owner: beside its lag it is asked for, whether the library's forms are near it or not.
@@ -106,7 +107,7 @@ std::optional<AskedBend> bend_to_ask(const Diagnosed& of, const EngineOptions& o
   const bool is_late = std::ranges::any_of(d.findings, [](const Finding& f) { return f.claimed() && f.of_output() && is_timing(f.effect); });
   if (!is_late && !(d.error_after > kToItsNoise * d.floor)) return std::nullopt;
   if (std::optional<LaggedBend> lagged = bend_beside_lag(*of.workspace, options.threads); lagged && lagged->bend.departure > kBends)
-    return AskedBend{std::move(lagged->bend), lagged->after_lag ? lagged->tau_s : 0.0};
+    return AskedBend{std::move(lagged->bend), lagged->after_lag ? lagged->tau_s : 0.0, true};
   std::optional<Bend> bend = curve != nullptr ? bend_of(of.workspace->input, *curve) : std::nullopt;
   if (!bend || !(bend->departure > kBends)) return std::nullopt;
   return AskedBend{*std::move(bend)};
@@ -169,8 +170,10 @@ Result<Diagnosed> behind_curve(const EngineOptions& options, const DiagnoseRows&
   const Finding* claimed = claimed_curve(before);
   if (claimed == nullptr && !(answer.error_before < kAlone * before.error_before)) return first;
   Finding curve = claimed != nullptr ? *claimed : whole_curve(before, answer, *out->workspace);
-  for (Finding& f : answer.findings)
+  for (Finding& f : answer.findings) {
     if (f.effect == "delay" && f.claimed() && f.of_output()) f.form = kBehindCurve;
+    if (f.effect == "dead_zone" && asked.is_whole) f.limit(kNoClaim, "where the output begins is a part of the sensor's own curve, which is taken whole");
+  }
   if (!answer.steps.empty()) {
     answer.steps.front().effect = curve.effect;
     answer.steps.insert(answer.steps.begin(), {"", before.error_before});
