@@ -145,10 +145,8 @@ TEST(Compensator, CurvesThatLagAreUndoneBesideTheLag) {
   const ModelEffect lag = effect("lag", "one_pole", {0.6}, {0.05});
   for (const char* form : {"polynomial_after_lag", "polynomial_before_lag"})
     EXPECT_LT(replay_LSB(model_with({lag, effect("static_nonlinearity", form, {0.05, -0.03}, {0.05})})), 0.3) << form;
-  for (const char* form : {"power_after_lag", "power_before_lag"})
-    EXPECT_LT(replay_LSB(model_with({lag, effect("static_nonlinearity", form, {0.9}, {0.05, 0.85})})), 0.5) << form;
-  for (const char* form : {"touch_after_lag", "touch_before_lag"})
-    EXPECT_LT(replay_LSB(model_with({lag, effect("static_nonlinearity", form, {0.1}, {0.05, 0.02})})), 0.5) << form;
+  const auto undone_LSB = [&](const std::string& form, double c, double shape) { return replay_LSB(model_with({lag, effect("static_nonlinearity", form, {c}, {0.05, shape})})); };
+  for (const char* order : {"_after_lag", "_before_lag"}) EXPECT_LT(std::max(undone_LSB(std::string("power") + order, 0.9, 0.85), undone_LSB(std::string("touch") + order, 0.1, 0.02)), 0.5) << order;
 }
 
 // A form that is exported as another one would be found on the user's bench.
