@@ -131,13 +131,12 @@ void keep_of_lag(const Diagnosis& before, Diagnosis& answer) {
   std::ranges::copy_if(before.notes, std::back_inserter(answer.notes), of_guess);
 }
 
-// Gain and zero of the records tell of it, whatever curve is laid through their rows.
-void keep_of_levels(const Diagnosis& before, Diagnosis& answer) {
-  const auto claimed = [](const Diagnosis& d, const std::string& effect) {
-    return std::ranges::any_of(d.findings, [&](const Finding& f) { return f.effect == effect && f.claimed(); });
+// A zero of the reference that moves is no such thing of the bent one.
+void keep_of_zero(const Diagnosis& before, Diagnosis& answer) {
+  const auto claimed_in = [](const Diagnosis& d) {
+    return std::ranges::find_if(d.findings, [](const Finding& f) { return f.effect == "reference_drift" && f.of_output() && f.claimed(); });
   };
-  for (const Finding& f : before.findings)
-    if (f.between_records && f.claimed() && !claimed(answer, f.effect)) put_in_place(f, answer);
+  if (const auto drift = claimed_in(before); drift != before.findings.end() && claimed_in(answer) == answer.findings.end()) put_in_place(*drift, answer);
 }
 
 // Of which the library's forms describe too little for a claim.
@@ -180,7 +179,7 @@ Result<Diagnosed> behind_curve(const EngineOptions& options, const DiagnoseRows&
   }
   if (asked.lag_s > 0.0) keep_of_lag(before, answer);
   keep_of_reference(before, answer);
-  keep_of_levels(before, answer);
+  keep_of_zero(before, answer);
   put_first(std::move(curve), answer);
   answer.error_before = before.error_before;
   answer.plain_before = before.plain_before;
