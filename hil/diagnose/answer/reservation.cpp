@@ -80,6 +80,25 @@ bool is_ordinary_zero(const Asked& a) {
   return (a.f.form == "as_rig_shows" && steps < kOfZero) || (a.f.form == "course_over_rig" && steps < kOfCourse);
 }
 
+// A dead zone shows by loads that are below its end. Where the force only rests there, its readings go below by their noise, and the output does not.
+bool is_never_below(const Asked& a) {
+  constexpr double kErrors = 2.0, kFewest = 0.1;  // of the rows below it
+  if (a.f.effect != "dead_zone") return false;
+  double end_N = -std::numeric_limits<double>::infinity(), below = 0.0, plainly = 0.0;
+  for (const FoundParameter& p : a.f.parameters)
+    if (p.name.ends_with("F0_N")) end_N = std::max(end_N, p.value);
+  for (std::size_t k = 0; k < a.w.input.records.size(); ++k) {
+    const RecordInput& r = a.w.input.records[k];
+    const double noise_N = std::hypot(a.w.health[k].noise_F_N, a.w.health[k].lsb_F_N / std::sqrt(12.0));
+    for (std::size_t i = 0; i < r.rows(); ++i) {
+      if (r.ok[i] == 0 || !(r.F_N[i] < end_N)) continue;
+      below += 1.0;
+      plainly += r.F_N[i] < end_N - kErrors * noise_N ? 1.0 : 0.0;
+    }
+  }
+  return plainly < kFewest * below;
+}
+
 bool is_soft_rail(const Asked& a) {
   constexpr double kStops = 0.25;  // of the slope, at least, however softly the rail is met; a curve that the model has not quite is bent by less
   if (a.f.effect != "clipping" || a.f.parameters.empty()) return false;
@@ -173,6 +192,7 @@ constexpr std::pair<Cap, bool (*)(const Asked&)> kTests[] = {
     {Cap::ordinary_curve, is_ordinary_curve},
     {Cap::ordinary_codes, is_ordinary_codes},
     {Cap::ordinary_zero, is_ordinary_zero},
+    {Cap::never_below, is_never_below},
     {Cap::soft_rail, is_soft_rail},
     {Cap::rising_rail, is_rising_rail},
     {Cap::undeclared_spring, is_undeclared_spring},

@@ -16,6 +16,7 @@ enum class Cap {
   ordinary_curve,
   ordinary_codes,      ///< of the converter
   ordinary_zero,       ///< of the reference, from record to record
+  never_below,         ///< the force, the end of a dead zone
   soft_rail,
   rising_rail,
   undeclared_spring,
@@ -48,6 +49,7 @@ inline constexpr std::array kCaps = {
     CapRow{Cap::ordinary_curve, "ordinary_curve", kWithdrawn, "honest amplifiers and references are as bent as that"},
     CapRow{Cap::ordinary_codes, "ordinary_codes", kWithdrawn, "honest converters are off their straight line by as much"},
     CapRow{Cap::ordinary_zero, "ordinary_zero", kWithdrawn, "a zero is taken to half a step of the reference before a record, and this one jumps by no more"},
+    CapRow{Cap::never_below, "never_below", kWithdrawn, "the force is below its end by the reference's noise alone, which flattens a rest as much"},
     CapRow{Cap::soft_rail, "soft_rail", kWithdrawn, "a rail stops the output, and this hardly bends it"},
     CapRow{Cap::rising_rail, "rising_rail", kWithdrawn, "a rail stops the output at one value, and this one goes on rising with the force"},
     CapRow{Cap::undeclared_spring, "undeclared_spring", kWithdrawn,

@@ -304,6 +304,29 @@ double curve_of(const char* effect, double from_N, double rms_V) {
   return f.probability;
 }
 
+// A hand that goes back to `rest_N` between its taps; the reference scatters by 0.02 N and is smoothed to a quarter of that.
+TEST(Reservation, ADeadZoneIsSeenByLoadsBelowItsEndAndNotByTheNoiseOfARest) {
+  for (const double rest_N : {0.09, 0.02}) {
+    Workspace w;
+    w.health.resize(1);
+    w.health[0].noise_F_N = 0.02;
+    w.input.records.resize(1);
+    RecordInput& r = w.input.records[0];
+    Rng rng(5, "rest");
+    for (int i = 0; i < 2000; ++i) {
+      r.F_N.push_back(i % 10 == 0 ? 2.0 : rest_N + 0.005 * rng.normal());
+      r.t_s.push_back(0.02 * i);
+    }
+    r.ok.assign(r.F_N.size(), 1);
+    Finding f;
+    f.effect = "dead_zone";
+    f.probability = 0.97;
+    f.parameters = {{"F0_N", 0.096, 0.002, "N"}, {"c", 0.99, 0.1, "1"}};
+    reserve(w, ResidualChannel{}, MixedFit{}, f);
+    EXPECT_EQ(f.claimed(), rest_N < 0.05) << f.evidence;
+  }
+}
+
 TEST(Reservation, ADeadZoneThatEndsFarUpIsABend) {
   EXPECT_LT(curve_of("dead_zone", 2.7, 0.003), 0.5);
   EXPECT_EQ(curve_of("dead_zone", 0.2, 0.003), 0.98) << "few rows lie below it";
