@@ -92,7 +92,7 @@ const Finding* claimed_curve(const Diagnosis& d) {
 struct AskedBend {
   Bend bend;
   double lag_s = 0.0;
-  bool is_whole = false;  ///< of no form of the library: whatever the sensor's own curve may be
+  bool is_whole = false;  ///< of no form of the library, steps of the touch among it
 };
 
 // A curve that the model leaves to its owner: beside its lag it is asked for, whether the library's forms are near it or not.
@@ -131,12 +131,21 @@ void keep_of_lag(const Diagnosis& before, Diagnosis& answer) {
   std::ranges::copy_if(before.notes, std::back_inserter(answer.notes), of_guess);
 }
 
+const Finding* claimed_zero(const Diagnosis& d) {
+  const auto at = std::ranges::find_if(d.findings, [](const Finding& f) { return f.effect == "reference_drift" && f.of_output() && f.claimed(); });
+  return at == d.findings.end() ? nullptr : &*at;
+}
+
 // A zero of the reference that moves is no such thing of the bent one.
 void keep_of_zero(const Diagnosis& before, Diagnosis& answer) {
-  const auto claimed_in = [](const Diagnosis& d) {
-    return std::ranges::find_if(d.findings, [](const Finding& f) { return f.effect == "reference_drift" && f.of_output() && f.claimed(); });
-  };
-  if (const auto drift = claimed_in(before); drift != before.findings.end() && claimed_in(answer) == answer.findings.end()) put_in_place(*drift, answer);
+  if (const Finding* drift = claimed_zero(before); drift != nullptr && claimed_zero(answer) == nullptr) put_in_place(*drift, answer);
+}
+
+// A curve that is steepest at the touch, at forces whose zero moves.
+void leave_start_open(Diagnosis& answer) {
+  if (claimed_zero(answer) == nullptr) return;
+  for (Finding& f : answer.findings)
+    if (f.effect == "dead_zone") f.limit(kNoClaim, "the zero of the reference moves, and where the output begins moves with it");
 }
 
 // Of which the library's forms describe too little for a claim.
@@ -169,10 +178,8 @@ Result<Diagnosed> behind_curve(const EngineOptions& options, const DiagnoseRows&
   const Finding* claimed = claimed_curve(before);
   if (claimed == nullptr && !(answer.error_before < kAlone * before.error_before)) return first;
   Finding curve = claimed != nullptr ? *claimed : whole_curve(before, answer, *out->workspace);
-  for (Finding& f : answer.findings) {
+  for (Finding& f : answer.findings)
     if (f.effect == "delay" && f.claimed() && f.of_output()) f.form = kBehindCurve;
-    if (f.effect == "dead_zone" && asked.is_whole) f.limit(kNoClaim, "where the output begins is a part of the sensor's own curve, which is taken whole");
-  }
   if (!answer.steps.empty()) {
     answer.steps.front().effect = curve.effect;
     answer.steps.insert(answer.steps.begin(), {"", before.error_before});
@@ -180,6 +187,7 @@ Result<Diagnosed> behind_curve(const EngineOptions& options, const DiagnoseRows&
   if (asked.lag_s > 0.0) keep_of_lag(before, answer);
   keep_of_reference(before, answer);
   keep_of_zero(before, answer);
+  if (asked.is_whole) leave_start_open(answer);
   put_first(std::move(curve), answer);
   answer.error_before = before.error_before;
   answer.plain_before = before.plain_before;
