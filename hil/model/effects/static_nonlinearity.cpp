@@ -9,6 +9,8 @@
 #include <cmath>
 #include <functional>
 #include <span>
+#include <utility>
+#include <vector>
 
 #include "hil/model/effect.h"
 #include "hil/model/states.h"
@@ -127,38 +129,35 @@ EffectForm lagged_polynomial(const char* name, LagAndCurve order) {
   });
 }
 
-// Far from 1 the tangent at n = 1 is not the power any more.
-EffectForm lagged_power(const char* name, LagAndCurve order) {
-  EffectForm out = lagged(name, order, {{"c", "1", -2.0, 2.0, 0.0, "share of the output that goes with the power"}}, [](double R, std::span<const double> shape) {
-    const double n = shape[1];
-    return Curves{[R, n](double F) { return F > 0.0 ? R * std::pow(F / R, n) - F : -F; }};
+// A share of the output that goes with a curve of one number.
+using CurveOf = double (*)(double F, double R, double number);
+
+EffectForm lagged_share(const char* name, LagAndCurve order, ParameterSpec share, ParameterSpec number, std::vector<double> tried, CurveOf curve) {
+  EffectForm out = lagged(name, order, {std::move(share)}, [curve](double R, std::span<const double> shape) {
+    return Curves{[curve, R, number = shape[1]](double F) { return curve(F, R, number) - F; }};
   });
-  out.shape.push_back({"n", "1", 0.2, 3.0, 0.8, "exponent"});
+  out.shape.push_back(std::move(number));
   out.sign = StrengthSign::positive;
-  out.grid = [](const CampaignInput&) {
+  out.grid = [tried = std::move(tried)](const CampaignInput&) {
     std::vector<std::vector<double>> shapes;
     for (const double tau_s : {0.02, 0.06, 0.2})
-      for (const double n : {0.75, 1.3}) shapes.push_back({tau_s, n});
+      for (const double value : tried) shapes.push_back({tau_s, value});
     return shapes;
   };
   return out;
 }
 
+// Far from 1 the tangent at n = 1 is not the power any more.
+EffectForm lagged_power(const char* name, LagAndCurve order) {
+  return lagged_share(name, order, {"c", "1", -2.0, 2.0, 0.0, "share of the output that goes with the power"}, {"n", "1", 0.2, 3.0, 0.8, "exponent"}, {0.75, 1.3},
+                      [](double F, double R, double n) { return F > 0.0 ? R * std::pow(F / R, n) : 0.0; });
+}
+
 // Contacts that close within a small force: a step of the output at the touch, which no power has.
 EffectForm lagged_touch(const char* name, LagAndCurve order) {
-  EffectForm out = lagged(name, order, {{"c", "1", -0.5, 2.0, 0.0, "share of the output that comes with the touch"}}, [](double R, std::span<const double> shape) {
-    const double half_N = shape[1] * R;
-    return Curves{[R, half_N](double F) { return F > 0.0 ? (R + half_N) * F / (F + half_N) - F : -F; }};
-  });
-  out.shape.push_back({"touch", "1", 0.002, 0.3, 0.02, "force by which half of it is there, share of the range"});
-  out.sign = StrengthSign::positive;
-  out.grid = [](const CampaignInput&) {
-    std::vector<std::vector<double>> shapes;
-    for (const double tau_s : {0.02, 0.06, 0.2})
-      for (const double touch : {0.01, 0.05}) shapes.push_back({tau_s, touch});
-    return shapes;
-  };
-  return out;
+  return lagged_share(name, order, {"c", "1", -0.5, 2.0, 0.0, "share of the output that comes with the touch"},
+                      {"touch", "1", 0.002, 0.3, 0.02, "force by which half of it is there, share of the range"}, {0.01, 0.05},
+                      [](double F, double R, double touch) { return F > 0.0 ? (1.0 + touch) * R * F / (F + touch * R) : 0.0; });
 }
 
 EffectForm lagged_bank(const char* name, LagAndCurve order) {
