@@ -19,7 +19,6 @@ namespace {
 
 constexpr double kHelps = 0.8;  // of the error that the first answer leaves
 constexpr double kAlone = 0.9;  // of the error of the law alone, for a curve that nothing else claims
-constexpr const char* kCurve = "static_nonlinearity";
 
 // Rig and command are compared with the force as it was recorded: what they say stays.
 void leave_out_drive(CampaignInput& input) {
@@ -92,7 +91,7 @@ const Finding* claimed_curve(const Diagnosis& d) {
 struct AskedBend {
   Bend bend;
   double lag_s = 0.0;
-  bool is_whole = false;  ///< of no form of the library, steps of the touch among it
+  bool is_whole = false;  ///< of any law, steps of a touch among it
 };
 
 // A curve that the model leaves to its owner: beside its lag it is asked for, whether the library's forms are near it or not.

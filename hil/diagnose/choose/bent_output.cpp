@@ -129,7 +129,7 @@ std::optional<LaggedBend> bend_beside_lag(const Workspace& w, unsigned threads) 
   }
   const std::vector<double> strength = model.curve_at(forms, best);
   if (strength.empty()) return std::nullopt;
-  const EffectForm& form = *find_form(*EffectRegistry::instance().find("static_nonlinearity"), forms.curve);
+  const EffectForm& form = *find_form(*EffectRegistry::instance().find(kCurve), forms.curve);
   const RecordInput record = on_grid(w.input);
   const VectorXd felt_N = Eigen::Map<const VectorXd>(record.F_N.data(), kGrid) + added_by(form, w.input, record, {kNoLag_s}, strength);
   std::optional<Bend> bend = bend_through(w.input, record, felt_N);

@@ -31,7 +31,7 @@ struct LaggedBend {
   bool after_lag = false;  ///< the curve is one of the lagged force; else the bent force lags
 };
 
-/// Whatever curve describes the records best beside a lag of one pole, in the better order; steps of the touch too, for which no law has a form. None:
+/// Whatever curve describes the records best beside a lag of one pole, in the better order, steps of a touch among it. None:
 /// the model has no such lag, or the curve does not rise.
 std::optional<LaggedBend> bend_beside_lag(const Workspace& workspace, unsigned threads);
 

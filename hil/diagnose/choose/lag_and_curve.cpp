@@ -14,8 +14,6 @@ namespace forcegate::diagnose {
 
 namespace {
 
-constexpr const char* kCurve = "static_nonlinearity";
-
 const EffectForm& form_of(const char* effect, const std::string& name) { return *find_form(*EffectRegistry::instance().find(effect), name); }
 
 Candidate in_model(const char* effect, const std::string& form_name, const std::vector<double>& shape) {

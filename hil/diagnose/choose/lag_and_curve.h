@@ -12,6 +12,7 @@
 namespace forcegate::diagnose {
 
 inline constexpr const char* kLag = "lag";
+inline constexpr const char* kCurve = "static_nonlinearity";
 inline constexpr const char* kOnePole = "one_pole";
 
 /// Names of their forms in the library; those of the curve act beside a lag.
