@@ -38,6 +38,7 @@ constexpr std::array kTable = {
     Row{"uV", "V", "voltage", 1e-6, 0},
     Row{"kV", "V", "voltage", 1e3, 0},
     Row{"counts", "counts", "code", 1, 0},
+    Row{"codes", "counts", "code", 1, 0},
     Row{"lsb", "counts", "code", 1, 0},
     Row{"rad", "rad", "angle", 1, 0},
     Row{"mrad", "rad", "angle", 1e-3, 0},

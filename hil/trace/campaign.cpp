@@ -14,6 +14,7 @@
 #include "hil/trace/conductance.h"
 #include "hil/trace/convert.h"
 #include "hil/trace/declared_facts.h"
+#include "hil/trace/long_pauses.h"
 #include "hil/trace/plausible_sizes.h"
 #include "hil/trace/recording_files.h"
 #include "hil/trace/sensor_name.h"
@@ -154,6 +155,13 @@ void skip_unfit(std::vector<Reading>& readings, Campaign& campaign) {
   }
 }
 
+/// Nobody said what the file is: it may hold several records.
+void add_record(Record record, Campaign& campaign) {
+  std::vector<Record> parts = records_between_pauses(record, campaign.notes);
+  if (parts.empty()) parts.push_back(std::move(record));
+  std::ranges::move(parts, std::back_inserter(campaign.records));
+}
+
 /// Every record file of the folder, in the order of their names. What cannot be read is skipped and noted.
 Result<void> add_folder(const fs::path& folder, const CampaignOptions& options, Campaign& campaign) {
   bool only_text = false;
@@ -183,7 +191,7 @@ Result<void> add_folder(const fs::path& folder, const CampaignOptions& options, 
   FORCEGATE_CHECK_OK(check_map(readings, options, folder));
   add_notes(readings, campaign);
   take_sensor(readings, campaign);
-  for (const Reading& reading : readings) campaign.records.push_back(std::move(*reading.record));
+  for (const Reading& reading : readings) add_record(std::move(*reading.record), campaign);
   return {};
 }
 
@@ -272,7 +280,7 @@ Result<Campaign> read_single(const fs::path& path, const CampaignOptions& option
   if (is_described_beside(path, single.folder))
     single.notes.push_back("campaign.json beside " + path.filename().string() + " is not read for a file that is named itself: name the folder, " + single.folder.string() +
                            ", to use what it says of the bench and of its records");
-  single.records.push_back(std::move(record));
+  add_record(std::move(record), single);
   return single;
 }
 

@@ -43,6 +43,7 @@ struct Record {
   Trace trace;  ///< channels named F_ref, U, theta, temp, C, F_cmd, F_dut, drive, ... (canonical units)
   std::optional<double> rate_Hz, start_s, rest_before_s, excitation_start_s, f_min_Hz, A_N, m_N, drive_V,
       eccentricity_mm, preload_mm, temp_C, humidity_pct;  ///< the last two of the air, where no channel records them
+  std::optional<double> cycles_before;  ///< cycles of the specimen since the record before (of the first: ever) that were not recorded
   std::string mounting;  ///< name or number of the mounting; records that share it were not taken apart in between; "" unknown
   std::optional<bool> dynamic;
 

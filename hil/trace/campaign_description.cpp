@@ -18,6 +18,7 @@
 #include "hil/trace/air_lists.h"
 #include "hil/trace/air_notes.h"
 #include "hil/trace/air_words.h"
+#include "hil/trace/cycle_words.h"
 #include "hil/trace/lab_notes.h"
 #include "hil/trace/said_in_words.h"
 
@@ -30,7 +31,7 @@ namespace fs = std::filesystem;
 const std::vector<std::string> kCampaignKeys = {"campaign", "sensor", "bench", "records"};
 const std::vector<std::string> kBenchKeys = {"spring_N_per_mm", "law", "voltage_range_V", "force_range_N", "reference_resolution_N", "reference_noise_N", "reference_lowpass_Hz", "adc_bits"};
 const std::vector<std::string> kRecordKeys = {"file", "kind", "role", "fs_Hz", "start_s", "rest_before_s", "excitation_start_s", "dynamic", "f_min_Hz", "A_N", "m_N", "drive_V", "mounting",
-                                              "eccentricity_mm", "preload_mm", "temp_C", "temperature_C", "humidity_pct", "rh_pct", "RH_pct"};
+                                              "cycles_before", "eccentricity_mm", "preload_mm", "temp_C", "temperature_C", "humidity_pct", "rh_pct", "RH_pct"};
 
 constexpr const char* kLeaveOut = "leave it out when it is not known";
 
@@ -224,6 +225,7 @@ Result<Record> facts_of(const Json& object, const Source& source, const std::str
   FORCEGATE_CHECK_OK(m.number("A_N", into(record.A_N)));
   FORCEGATE_CHECK_OK(m.number("m_N", into(record.m_N)));
   FORCEGATE_CHECK_OK(m.number("drive_V", into(record.drive_V)));
+  FORCEGATE_CHECK_OK(m.number("cycles_before", into(record.cycles_before)));
   FORCEGATE_CHECK_OK(m.number("eccentricity_mm", into(record.eccentricity_mm)));
   FORCEGATE_CHECK_OK(m.number("preload_mm", into(record.preload_mm)));
   for (const char* key : {"temperature_C", "temp_C"}) FORCEGATE_CHECK_OK(m.number(key, into(record.temp_C)));
@@ -236,7 +238,7 @@ Result<Record> facts_of(const Json& object, const Source& source, const std::str
   FORCEGATE_CHECK_OK(m.label("mounting", record.mounting));
   for (const auto& [key, value] : {std::pair{"fs_Hz", record.rate_Hz}, std::pair{"f_min_Hz", record.f_min_Hz}})
     if (value && !(*value > 0.0)) return m.wrong(key, "must be above 0", kLeaveOut);
-  for (const auto& [key, value] : {std::pair{"rest_before_s", record.rest_before_s}, std::pair{"A_N", record.A_N}})
+  for (const auto& [key, value] : {std::pair{"rest_before_s", record.rest_before_s}, std::pair{"A_N", record.A_N}, std::pair{"cycles_before", record.cycles_before}})
     if (value && *value < 0.0) return m.wrong(key, "must not be negative", kLeaveOut);
   std::string role;
   FORCEGATE_CHECK_OK(m.text("role", role));
@@ -261,6 +263,7 @@ Result<DescribedRecord> record_of(const Json& object, const Source& source, cons
   std::string words;
   for (const auto& [key, text] : members) words += key + " " + text + "; ";
   out.air = air_in_words(words);
+  out.cycles_before = cycles_in_words(words);
   return out;
 }
 
@@ -350,8 +353,14 @@ Result<CampaignDescription> read_description(const fs::path& file) {
     out.records->push_back(std::move(record));
   }
   note_cut_short(json, out.records->size(), out.notes);
-  const std::vector<AirNotes> of_runs = air_of_runs(members_of(json), out.records->size());
+  const CampaignMembers members = members_of(json);
+  const std::vector<AirNotes> of_runs = air_of_runs(members, out.records->size());
   for (std::size_t i = 0; i < of_runs.size(); ++i) fill_in((*out.records)[i].air, of_runs[i]);
+  for (const auto& [key, text] : members.texts) {
+    const std::vector<double> cycles = cycles_of_runs(key + " " + text, out.records->size());
+    for (std::size_t i = 0; i < cycles.size(); ++i)
+      if (!(*out.records)[i].cycles_before) (*out.records)[i].cycles_before = cycles[i];
+  }
   take_words(*out.records, out.notes);
   return out;
 }

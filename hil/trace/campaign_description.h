@@ -16,6 +16,7 @@ struct DescribedRecord {
   Record facts;       ///< without samples
   LabNotes notes;     ///< in words
   AirNotes air;       ///< in words, where no key tells it
+  std::optional<double> cycles_before;  ///< in words
   std::string file;   ///< as written, relative to the folder of campaign.json
   std::string where;  ///< place in campaign.json
 };
