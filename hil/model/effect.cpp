@@ -11,7 +11,7 @@ bool has(const CampaignInput& campaign, Need need) {
     case Need::theta: return campaign.has_theta;
     case Need::drive: return campaign.has_drive;
     case Need::command: return campaign.has_command;
-    case Need::witness: return campaign.has_theta || campaign.has_command;
+    case Need::witness: return campaign.has_theta || campaign.has_spindle || campaign.has_command;
     case Need::generic: return campaign.generic;
   }
   return false;

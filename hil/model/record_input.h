@@ -53,10 +53,11 @@ struct RecordInput {
 
   // campaign
   double start_s = 0.0, duration_s = 0.0, rest_before_s = 0.0;
+  double cycles_before = 0.0;  ///< since the record before, not recorded
   double drive_mean_V = kMissing;
   std::string mounting_name;  ///< as declared
   int mounting = -1;          ///< number in the order of the records; -1: not declared
-  double travel_before_N = 0.0;  ///< sum |dF| of all earlier records
+  double travel_before_N = 0.0;  ///< sum |dF| of all earlier records, and of the cycles between them that nobody recorded
   std::vector<double> travel_N;  ///< the same continued through this record, per row
 
   // state of the base law at the current parameters (set by the base fit)
@@ -105,6 +106,7 @@ struct CampaignInput {
   bool in_counts = false;   ///< the output is codes of its converter: V stands for one of them
   bool has_theta = false, has_temp = false, has_humidity = false, has_drive = false, has_command = false,
        has_capacitance = false;
+  bool has_spindle = false;  ///< theta_rad is the way of a spindle: there is no wheel, and has_theta is false (hil/model/spindle.h)
   double block_s = 0.0;  ///< time that the output is behind the reference for each of RecordInput::lost_blocks; negative: before it; 0: none
   int mountings = 0;     ///< how many were declared; 0: some record does not say and its neighbours do not tell
   bool has_start_times = true;  ///< false: nobody wrote down when the records were taken

@@ -224,6 +224,7 @@ void set_declared(const Record& record, RecordInput& out) {
   if (out.humidity.empty() && record.humidity_pct) out.humidity.assign(out.rows(), *record.humidity_pct);
   out.start_s = record.start_s.value_or(kMissing);
   out.rest_before_s = record.rest_before_s.value_or(kMissing);
+  out.cycles_before = record.cycles_before.value_or(0.0);
   out.drive_mean_V = record.drive_V.value_or(out.drive_V.empty() ? kMissing : quantile(out.drive_V, 0.5));
   out.mounting_name = record.mounting;
   out.eccentricity_mm = record.eccentricity_mm.value_or(kMissing);

@@ -10,6 +10,8 @@
 #include "hil/model/missing_facts.h"
 #include "hil/model/row_step.h"
 #include "hil/model/rows.h"
+#include "hil/model/spindle.h"
+#include "hil/model/travel.h"
 
 namespace forcegate {
 
@@ -235,29 +237,6 @@ void set_rests(std::vector<RecordInput>& records) {
   }
 }
 
-// Travel of the force behind a play of 2 % of the span: noise does not wear anything. Returns that of the whole record.
-double set_travel(RecordInput& r, double range_N) {
-  r.travel_N.assign(r.rows(), 0.0);
-  double state = r.F_N.empty() ? 0.0 : r.F_N[0], sum = 0.0;
-  const double radius = 0.02 * range_N;
-  for (std::size_t i = 0; i < r.rows(); ++i) {
-    const double next = std::clamp(state, r.F_N[i] - radius, r.F_N[i] + radius);
-    sum += std::abs(next - state);
-    state = next;
-    r.travel_N[i] = sum;
-  }
-  return sum;
-}
-
-void add_up_travel(CampaignInput& campaign) {
-  double travel_N = 0.0;
-  for (RecordInput& r : campaign.records) {
-    r.travel_before_N = travel_N;
-    travel_N += set_travel(r, campaign.range_N);
-  }
-  campaign.travel_total_N = std::max(travel_N, 1e-9);
-}
-
 }  // namespace
 
 void finish_campaign_input(CampaignInput& campaign, unsigned threads) {
@@ -269,6 +248,7 @@ void finish_campaign_input(CampaignInput& campaign, unsigned threads) {
   add_up_travel(campaign);
   number_mountings(campaign);
   note_columns(campaign);
+  take_spindle(campaign);
   note_missing_facts(campaign);
   campaign.has_drive = drives_differ(campaign.records);
 }
