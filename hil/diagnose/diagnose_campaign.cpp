@@ -89,7 +89,7 @@ Result<Diagnosed> diagnose_as_recorded(CampaignRows rows, const EngineOptions& o
 Result<Diagnosed> diagnose_all(CampaignRows rows, const EngineOptions& options) { return look_again(std::move(rows), options, diagnose_as_recorded); }
 
 // An angle or a command shows itself whether the wheel goes on where the force rests.
-bool has_witness_of_drive(const CampaignInput& input) { return input.has_theta || input.has_command; }
+bool has_witness_of_drive(const CampaignInput& input) { return input.has_theta || input.has_spindle || input.has_command; }
 
 Result<Diagnosed> diagnose_records(Campaign campaign, const EngineOptions& options) {
   FORCEGATE_TRY(CampaignRows rows, take_rows(std::move(campaign), options));

@@ -13,6 +13,7 @@
 #include "hil/diagnose/answer/guessed_effects.h"
 #include "hil/diagnose/answer/late_drive.h"
 #include "hil/diagnose/answer/moving_zero.h"
+#include "hil/diagnose/answer/opens_in_places.h"
 #include "hil/diagnose/answer/out_of_step.h"
 #include "hil/diagnose/answer/null_calibration.h"
 #include "hil/diagnose/answer/pictures.h"
@@ -75,6 +76,10 @@ void collect_findings(const Workspace& w, const Search& search, const Remainder&
     if (!rig.chosen.empty()) out.errors["F"] = errors_of_rig(w, rig);
   }
   if (w.has_command && search.drive.base.valid) add_findings(w, w.command, search.drive, kNamedEnough, out);
+  if (auto contact = contact_that_opens(w, out.findings)) {
+    std::erase_if(out.findings, [&](const Finding& f) { return f.effect == contact->effect; });
+    out.findings.push_back(*std::move(contact));
+  }
   if (auto late = listed_late_drive(w, out.findings)) out.findings.push_back(*std::move(late));
   if (auto shift = listed_out_of_step(w, search.output, out.findings)) out.findings.push_back(*std::move(shift));
   if (auto zero = listed_moving_zero(w, search.output, out.findings)) out.findings.push_back(*std::move(zero));

@@ -22,7 +22,7 @@ constexpr double kAlone = 0.9;  // of the error of the law alone, for a curve th
 
 // Rig and command are compared with the force as it was recorded: what they say stays.
 void leave_out_drive(CampaignInput& input) {
-  input.has_theta = input.has_command = false;
+  input.has_theta = input.has_spindle = input.has_command = false;
   for (RecordInput& r : input.records)
     for (std::vector<double>* channel : {&r.theta_rad, &r.sin_theta, &r.cos_theta, &r.late_cos_theta, &r.F_cmd_N}) channel->clear();
 }

@@ -56,7 +56,7 @@ struct Asked {
   bool any_width(Test test) const {
     return std::ranges::any_of(f.parameters, [&](const FoundParameter& p) { return p.name == "loop_width" && test(p); });
   }
-  bool is_blind_play() const { return f.effect == "backlash" && !w.input.has_theta; }
+  bool is_blind_play() const { return f.effect == "backlash" && !w.input.has_theta && !w.input.has_spindle; }
 };
 
 // A dead zone that ends beyond a quarter of the range is a bend.

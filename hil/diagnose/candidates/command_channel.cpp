@@ -23,7 +23,7 @@ constexpr double kFollows = 0.8;  // least squared correlation of force and comm
 constexpr std::array kSlowDrive_s = {0.1, 0.3};
 
 const std::vector<double>& reached_N(const RecordInput& r) {
-  return r.cos_theta.empty() || r.rig_force_N.empty() ? r.F_N : r.rig_force_N;
+  return r.theta_rad.empty() || r.rig_force_N.empty() ? r.F_N : r.rig_force_N;
 }
 
 double squared_correlation(const RecordInput& r, const std::vector<double>& x, const std::vector<double>& y, double least_sd) {
@@ -160,7 +160,7 @@ void build_command_channel(Workspace& w, unsigned threads) {
                  add_drive_lag(r, r.F_cmd_N, rows, channel.scale, 3, Z);
                  add_waves(r, rows, 5, 3, Z);
                  // a machine without an angle is calibrated by somebody, to a curve
-                 for (std::size_t j = 0; r.cos_theta.empty() && j < rows.size(); ++j) {
+                 for (std::size_t j = 0; r.theta_rad.empty() && j < rows.size(); ++j) {
                    const double x = (r.F_cmd_N[rows[j]] - w.input.lowest_N) / channel.scale - 0.5;
                    Z(static_cast<Eigen::Index>(j), 8) = x * x;
                    Z(static_cast<Eigen::Index>(j), 9) = x * x * x;
@@ -168,7 +168,7 @@ void build_command_channel(Workspace& w, unsigned threads) {
                });
   for (std::size_t k = 0; k < channel.record_of.size(); ++k) {
     const RecordInput& r = w.input.records[channel.record_of[k]];
-    if (r.cos_theta.empty()) continue;
+    if (r.theta_rad.empty()) continue;
     const double noise = drive_noise_N(r) / channel.scale;
     p.records[k].noise_variance = p.records[k].allowed_variance = noise * noise + 1e-8;
   }

@@ -16,6 +16,7 @@
 #include "hil/diagnose/candidates/signatures.h"
 #include "hil/diagnose/workspace.h"
 #include "hil/model/record_input.h"
+#include "hil/model/states.h"
 
 namespace forcegate::diagnose {
 
@@ -216,13 +217,15 @@ void find_rig_law(Workspace& w, std::vector<std::size_t>& records, unsigned thre
     std::vector<double> s;
     if (!r.cos_theta.empty())
       for (const double c : r.cos_theta) s.push_back(1.0 - c);
+    else if (w.input.has_spindle && !r.theta_rad.empty())
+      s = r.theta_rad;
     else if (!r.F_cmd_N.empty() && is_resolved(r.F_cmd_N))
       s = command_as_followed(r, kOpenContact * w.input.range_N);
     else
       continue;
     const Line line = line_of(s, r, kOpenContact * w.input.range_N);
     // without a clear linear relation the coordinate is not the rig's: a crank or a joint has an angle too, and a hand or a foot makes its force
-    const double least = r.cos_theta.empty() ? kOfCommand : kOfWheel;
+    const double least = r.theta_rad.empty() ? kOfCommand : kOfWheel;
     if (line.n < 50.0 || !(line.xx > 0.0) || line.xy * line.xy < least * line.xx * line.yy ||
         std::sqrt(line.yy / line.n) < 0.01 * w.input.range_N)
       continue;
@@ -260,6 +263,7 @@ void build_rig_channel(Workspace& w, unsigned threads) {
                [&](const RecordInput& r, const std::vector<std::size_t>& rows, Eigen::MatrixXd& Z,
                    std::vector<double>& y) {
                  const double slope = w.rig_slope_N[r.index] / channel.scale;
+                 const std::vector<double> late_N = w.input.has_spindle && !r.theta_rad.empty() ? low_pass_channel(r, r.rig_force_N, kLateAngle_s, r.rig_force_N[0]) : std::vector<double>();
                  for (std::size_t j = 0; j < rows.size(); ++j) {
                    const auto row = static_cast<Eigen::Index>(j);
                    Z(row, 0) = r.rig_force_N[rows[j]] / channel.scale;
@@ -268,6 +272,7 @@ void build_rig_channel(Workspace& w, unsigned threads) {
                      Z(row, 2) = slope * (r.cos_theta[rows[j]] - r.late_cos_theta[rows[j]]);
                      Z(row, 3) = slope * r.sin_theta[rows[j]];
                    }
+                   if (!late_N.empty()) Z(row, 2) = (late_N[rows[j]] - r.rig_force_N[rows[j]]) / channel.scale;
                    y.push_back(r.F_N[rows[j]] / channel.scale);
                  }
                  add_waves(r, rows, 4, 3, Z);
