@@ -166,9 +166,11 @@ bool is_too_small(const Applicant& a) {
   return a.family.kind->traits.timing && seen < std::max(kLeastOfTime, kOfNoise * allowed_rms(a.channel));
 }
 
-// A form that is not quite right has another strength in every manner of moving; yet every record then gains by that of the others (a play has
+// A form that is not quite right has another strength in every manner of moving (the bits of a converter are what they are); yet every record then gains by that of the others (a play has
 // one width).
 bool differs(const Applicant& a) {
+  constexpr double kSameBits = 0.3;
+  if (a.is("adc_codes") && !a.chosen.seen_in_place && a.chosen.strength_scatter > kSameBits) return true;
   const bool helps_all = !a.left_out().blocks && a.left_out().improved == a.left_out().excited && !a.is("backlash");
   const bool known_form = a.family.kind->traits.known_form || (a.chosen.between && !a.chosen.by_records());
   const double same = takes_nearly_all(a.chosen) ? kSameOfNearlyAll : kSameOfKnownForm;

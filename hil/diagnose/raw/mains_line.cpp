@@ -17,9 +17,9 @@ namespace {
 
 constexpr std::size_t kMostSegments = 12, kBlock = 256;
 constexpr double kSegment_s = 4.0, kShortest_s = 2.0, kFewestSegments = 3.0;
-// Slower rates than 24 Hz would make these samples longer than 5.4 s, and the grid of a quarter of a hertz too coarse for them.
+// Slower rates than 16 Hz would make these samples longer than 8 s, and the grid of a quarter of a hertz too coarse for them.
 constexpr std::size_t kFewestSamples = 128;
-constexpr double kSlowest_Hz = 24.0;
+constexpr double kSlowest_Hz = 16.0;
 // Noise alone puts the largest of three powers some two times above the median beside them: beyond four the force has a line of its own,
 // and the output must have three times as much.
 constexpr double kOfNoise = 4.0, kOfForce = 3.0;

@@ -47,7 +47,8 @@ std::optional<HealthClaim> in_bursts(const std::vector<RecordHealth>& health, co
 
 std::optional<HealthClaim> claim_of_reference_noise(const std::vector<RecordHealth>& health,
                                                     const HealthScales& scales, const BenchFacts& bench) {
-  constexpr double kLeast = 0.0025;  // of the range
+  // of the range; a converter's step may be far below what an honest cell scatters by: 0.5 % of the range is what a data sheet promises
+  constexpr double kLeast = 0.0025, kLeastBesideSteps = 0.004;
   // a step says less of the noise than a declared one would: what is about as large may be the noise of an honest cell;
   // where the output stands still nothing else scatters, and the measure is exact: less above what is declared is enough
   constexpr double kAbove = 2.0, kAboveSteps = 1.6, kAboveStill = 1.5;
@@ -80,7 +81,7 @@ std::optional<HealthClaim> claim_of_reference_noise(const std::vector<RecordHeal
   const double found = noise_declared ? std::max(moving, still) : moving;
   if (auto claim = in_bursts(health, scales, allowed)) return claim;
   if (!noise_declared && !resolution_declared) return undeclared(found, health, scales);
-  if (!(allowed > 0.0) || !scatters || !(found > kLeast * scales.range_N)) return std::nullopt;
+  if (!(allowed > 0.0) || !scatters || !(found > (noise_declared ? kLeast : kLeastBesideSteps) * scales.range_N)) return std::nullopt;
   return claim_of(0.93, found, "where " + plain_number(allowed) + " N are allowed");
 }
 
