@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "hil/base/plain_number.h"
 #include "hil/base/quantile.h"
@@ -43,6 +47,44 @@ std::optional<HealthClaim> in_bursts(const std::vector<RecordHealth>& health, co
   return claim_of(kProbability, found, "in bursts, " + plain_number(std::round(100.0 * share / records)) + " % of the time, and by " + plain_number(quiet / records) + " N between them, while the output stands still in both");
 }
 
+// White noise of a sample that neither the movement of the force nor the output shares.
+double own_noise_N(const RecordHealth& h) { return std::min(std::max(h.noise_F_N, h.scatter_F.quartile_N), h.scatter_F.alone_N); }
+
+double middle_of_output_V(std::span<const RecordHealth* const> records) {
+  std::vector<double> noise;
+  for (const RecordHealth* h : records) noise.push_back(h->noise_U_V);
+  return quantile(std::move(noise), 0.5);
+}
+
+// Whatever was declared: quiet in some records and restless in the others, of one size in each, while the output is as noisy in both. A force that moves fast is restless
+// too: the output stands still meanwhile.
+std::optional<HealthClaim> in_some_records(const std::vector<RecordHealth>& health, const HealthScales& scales) {
+  constexpr double kLeast = 0.0025, kTimes = 3.0, kAlike = 3.0, kOutputAlike = 1.3, kStill = 0.5, kProbability = 0.93;  // kLeast: of the range
+  constexpr std::size_t kFewest = 2;
+  double step_N = 0.0;
+  for (const RecordHealth& h : health) step_N = std::max(step_N, h.lsb_F_N);
+  const auto noise_N = [&](const RecordHealth* h) { return std::max(own_noise_N(*h), 0.5 * step_N); };
+  std::vector<const RecordHealth*> order;
+  for (const RecordHealth& h : health)
+    if (std::isfinite(own_noise_N(h))) order.push_back(&h);
+  std::ranges::stable_sort(order, {}, noise_N);
+  std::size_t quiet = 0;
+  double widest = kTimes;
+  for (std::size_t k = kFewest; k + kFewest <= order.size(); ++k)
+    if (const double times = noise_N(order[k]) / noise_N(order[k - 1]); times > widest) widest = times, quiet = k;
+  if (quiet == 0) return std::nullopt;
+  const std::span<const RecordHealth* const> calm(order.data(), quiet), loud(order.data() + quiet, order.size() - quiet);
+  double square = 0.0;
+  for (const RecordHealth* h : loud) square += noise_N(h) * noise_N(h);
+  const double found = std::sqrt(square / static_cast<double>(loud.size())), usual = noise_N(calm[calm.size() / 2]);
+  const auto stand_still = std::ranges::count_if(loud, [&](const RecordHealth* h) { return h->scatter_F.still_N > kStill * noise_N(h); });
+  if (found < kLeast * scales.range_N || noise_N(loud.back()) > kAlike * noise_N(loud.front()) || stand_still < static_cast<std::ptrdiff_t>(kFewest) ||
+      middle_of_output_V(loud) > kOutputAlike * middle_of_output_V(calm))
+    return std::nullopt;
+  return claim_of(kProbability, found, "in " + std::to_string(loud.size()) + " of " + std::to_string(order.size()) + " records and by " + plain_number(usual) +
+                                           " N in the others, while the output is as quiet in both");
+}
+
 }  // namespace
 
 std::optional<HealthClaim> claim_of_reference_noise(const std::vector<RecordHealth>& health,
@@ -55,7 +97,7 @@ std::optional<HealthClaim> claim_of_reference_noise(const std::vector<RecordHeal
   std::vector<double> noise, stood, ladder;
   double lsb_N = 0.0, lsb_V = 0.0;
   for (const RecordHealth& h : health) {
-    noise.push_back(std::min(std::max(h.noise_F_N, h.scatter_F.quartile_N), h.scatter_F.alone_N));
+    noise.push_back(own_noise_N(h));
     if (h.scatter_F.still_N > 0.0) stood.push_back(h.scatter_F.still_N);
     if (h.lsb_F_N > 0.0) ladder.push_back(std::min(h.lsb_F_N / std::sqrt(12.0), h.beside_line_N));
     lsb_N = std::max(lsb_N, h.lsb_F_N);
@@ -80,6 +122,7 @@ std::optional<HealthClaim> claim_of_reference_noise(const std::vector<RecordHeal
                                        : resolution_declared && moving > kAboveSteps * allowed;
   const double found = noise_declared ? std::max(moving, still) : moving;
   if (auto claim = in_bursts(health, scales, allowed)) return claim;
+  if (auto claim = in_some_records(health, scales)) return claim;
   if (!noise_declared && !resolution_declared) return undeclared(found, health, scales);
   if (!(allowed > 0.0) || !scatters || !(found > (noise_declared ? kLeast : kLeastBesideSteps) * scales.range_N)) return std::nullopt;
   return claim_of(0.93, found, "where " + plain_number(allowed) + " N are allowed");
