@@ -22,6 +22,8 @@ const HistoryStep* last_added(const Model& model) {
   return nullptr;
 }
 
+bool is_first_of_library(const Model& model, const HistoryStep& step) { return &step == &model.history.front() && library_model(model.name); }
+
 // The model from which the step was taken. Its law is kept by no file; that of a first step is the one that comes with the program, which
 // may decay where the refit found that these records do not.
 Model before_step(const Model& with_step, const HistoryStep& step) {
@@ -30,9 +32,15 @@ Model before_step(const Model& with_step, const HistoryStep& step) {
   for (UserEffect& own : model.user_effects)  // an equation stands in its file before it is added: what no fit has estimated is left out
     if (own.name == step.effect)
       for (ModelParameter& p : own.parameters) p.se = 0.0;
-  if (&step == &with_step.history.front())
-    if (const Result<Model> library = library_model(model.name)) model.law = library->law;
+  if (is_first_of_library(with_step, step)) model.law = library_model(model.name)->law;
   return model;
+}
+
+// Before any other step than the first of a model of the library the law and the forms were others, and no file keeps them.
+std::string not_as_it_was(const Model& model, const HistoryStep& step) {
+  if (is_first_of_library(model, step)) return {};
+  return "the file does not keep the model to which " + step.effect + " was added, with its own law and forms: the last step is taken again from the law that stands now, "
+         "so the errors on the way may differ from those that add told; the steps above are as they were";
 }
 
 }  // namespace
@@ -47,6 +55,7 @@ Result<History> history_request(const CampaignRequest& request) {
                                                          : fit_request(request, ""));
     out.waterfall = std::move(refit.waterfall);
     out.notes = left_out_notes(out.model);
+    if (std::string note = step != nullptr ? not_as_it_was(out.model, *step) : std::string(); !note.empty()) out.notes.push_back(std::move(note));
   }
   return out;
 }
