@@ -191,7 +191,7 @@ void draw_shares(const Diagnosis& d, std::size_t n, double height, Figure& figur
   share.points(unique, y, {Role::model, Dash::solid, 1.0, Marker::dot, 6.0}, "only it");
 }
 
-// What acts from record to record takes nothing from the residual within records, where each has a gain and a zero of its own.
+// Of a residual that is noise alone nothing takes a share: what differs from record to record may be all there is to explain.
 bool shows_shares(const Diagnosis& d, std::size_t n) {
   constexpr double kVisible = 1e-3;
   return std::any_of(d.ranking.begin(), d.ranking.begin() + static_cast<std::ptrdiff_t>(n),
