@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "hil/app/model/never_fitted.h"
@@ -22,8 +23,6 @@ const HistoryStep* last_added(const Model& model) {
   return nullptr;
 }
 
-bool is_first_of_library(const Model& model, const HistoryStep& step) { return &step == &model.history.front() && library_model(model.name); }
-
 // The model from which the step was taken. Its law is kept by no file; that of a first step is the one that comes with the program, which
 // may decay where the refit found that these records do not.
 Model before_step(const Model& with_step, const HistoryStep& step) {
@@ -32,15 +31,20 @@ Model before_step(const Model& with_step, const HistoryStep& step) {
   for (UserEffect& own : model.user_effects)  // an equation stands in its file before it is added: what no fit has estimated is left out
     if (own.name == step.effect)
       for (ModelParameter& p : own.parameters) p.se = 0.0;
-  if (is_first_of_library(with_step, step)) model.law = library_model(model.name)->law;
+  if (&step == &with_step.history.front())
+    if (const Result<Model> library = library_model(model.name)) model.law = library->law;
   return model;
 }
 
 // Before any other step than the first of a model of the library the law and the forms were others, and no file keeps them.
-std::string not_as_it_was(const Model& model, const HistoryStep& step) {
-  if (is_first_of_library(model, step)) return {};
-  return "the file does not keep the model to which " + step.effect + " was added, with its own law and forms: the last step is taken again from the law that stands now, "
-         "so the errors on the way may differ from those that add told; the steps above are as they were";
+std::string not_as_it_was(const HistoryStep& step, const HistoryStep& again) {
+  constexpr double kSame = 0.01;
+  if (again.campaign != step.campaign || again.unit != step.unit) return {};
+  if (std::abs(again.error_before - step.error_before) <= kSame * step.error_before && std::abs(again.error_after - step.error_after) <= kSame * step.error_before) return {};
+  const PrintedUnit unit = printed_unit(step.unit);
+  const auto from_to = [&](double before, double after) { return plain_number(unit.factor * before) + " -> " + plain_number(unit.factor * after) + " " + unit.name; };
+  return "taken again, " + step.effect + " is " + from_to(again.error_before, again.error_after) + ", and was " + from_to(step.error_before, step.error_after) +
+         ": the file does not keep the law and the forms that the model had before, so the waterfall begins with those of now";
 }
 
 }  // namespace
@@ -55,7 +59,7 @@ Result<History> history_request(const CampaignRequest& request) {
                                                          : fit_request(request, ""));
     out.waterfall = std::move(refit.waterfall);
     out.notes = left_out_notes(out.model);
-    if (std::string note = step != nullptr ? not_as_it_was(out.model, *step) : std::string(); !note.empty()) out.notes.push_back(std::move(note));
+    if (std::string note = step != nullptr ? not_as_it_was(*step, refit.model.history.back()) : std::string(); !note.empty()) out.notes.push_back(std::move(note));
   }
   return out;
 }

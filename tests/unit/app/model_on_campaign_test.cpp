@@ -14,6 +14,7 @@
 #include "hil/app/export/export.h"
 #include "hil/app/model/compare.h"
 #include "hil/app/model/fit.h"
+#include "hil/app/model/history.h"
 #include "hil/app/model/simulate.h"
 #include "hil/base/rng.h"
 #include "tests/support/folder_test.h"
@@ -248,6 +249,25 @@ TEST_F(ModelOnCampaign, AFitSaysThatTheDecayOfTheModelIsGone) {
   const auto again = fit_request(request, "");
   ASSERT_TRUE(again) << again.error().to_text();
   EXPECT_THAT(again->notes, Not(Contains(HasSubstr("kind = \"static\""))));
+}
+
+// A step that was taken from a model that no file keeps is not that step when it is taken again.
+TEST_F(ModelOnCampaign, HistorySaysWhereAStepIsNotAsItWas) {
+  CampaignRequest request = campaign("film", {20.0, 22.0, 27.0, 24.0, 21.0, 29.0});
+  const auto added = fit_request(request, "thermal");
+  ASSERT_TRUE(added) << added.error().to_text();
+  Model model = added->model;
+  const auto notes = [&] {
+    request.model = put("better.toml", write_model(model)).string();
+    const auto history = history_request(request);
+    EXPECT_TRUE(history) << history.error().to_text();
+    return history ? history->notes : std::vector<std::string>{};
+  };
+  EXPECT_THAT(notes(), Not(Contains(HasSubstr("taken again"))));
+  model.history.back().error_before *= 0.7;
+  EXPECT_THAT(notes(), Contains(HasSubstr("taken again, thermal is ")));
+  model.history.back().campaign = "another";
+  EXPECT_THAT(notes(), Not(Contains(HasSubstr("taken again"))));
 }
 
 TEST_F(ModelOnCampaign, CompareSaysByWhichLawARecordIsPredicted) {
