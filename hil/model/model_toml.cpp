@@ -5,9 +5,9 @@
 #include <cmath>
 #include <toml++/toml.h>
 
-#include "hil/base/read_file.h"
 #include "hil/base/text.h"
 #include "hil/model/model_toml.h"
+#include "hil/model/decay_check.h"
 #include "hil/model/equation_unit.h"
 #include "hil/model/output_unit.h"
 #include "hil/model/user_equation.h"
@@ -243,11 +243,13 @@ Result<HistoryStep> read_step(const toml::table& t, const std::string& where) {
   HistoryStep step;
   FORCEGATE_TRY(step.effect, value_of(t, "effect", std::string(), where));
   FORCEGATE_TRY(step.campaign, value_of(t, "campaign", std::string(), where));
-  FORCEGATE_TRY(step.error_before, value_of(t, "error_before", 0.0, where));
-  FORCEGATE_TRY(step.error_after, value_of(t, "error_after", 0.0, where));
-  FORCEGATE_TRY(step.plain_before, value_of(t, "plain_before", 0.0, where));
-  FORCEGATE_TRY(step.plain_after, value_of(t, "plain_after", 0.0, where));
-  FORCEGATE_TRY(step.floor, value_of(t, "floor", 0.0, where));
+  const std::pair<const char*, double&> errors[] = {{"error_before", step.error_before}, {"error_after", step.error_after}, {"plain_before", step.plain_before},
+                                                    {"plain_after", step.plain_after},   {"floor", step.floor}};
+  for (const auto& [name, value] : errors) {
+    FORCEGATE_TRY(value, value_of(t, name, 0.0, where));
+    if (!(value >= 0.0) || !std::isfinite(value))
+      return fail(ErrorCode::config, fmt::format("{} = {} is no error: it is a number of 0 or more", name, value), place(where, *t[name].node()), "forcegate fit and add write it");
+  }
   FORCEGATE_TRY(step.unit, value_of(t, "unit", std::string("V"), where));
   FORCEGATE_TRY(step.accepted, value_of(t, "accepted", true, where));
   FORCEGATE_TRY(step.one_law, value_of(t, "one_law", false, where));
@@ -323,7 +325,11 @@ Result<void> read_law(const toml::table& root, Model& out, const std::string& wh
                 "write \"decaying\" or \"static\"");
   out.law.decays = kind == "decaying";
   FORCEGATE_TRY(out.frame, read_frame(*law, where));
-  return read_coefficients(*law, out, where);
+  FORCEGATE_CHECK_OK(read_coefficients(*law, out, where));
+  const std::optional<NoDecay> wrong = no_decay(out.law, out.frame.span_N);
+  if (!wrong) return {};
+  const auto given = std::ranges::find_if(wrong->keys, [&](const char* key) { return law->contains(key); });
+  return fail(ErrorCode::config, wrong->text, place(where, given == wrong->keys.end() ? *law : *(*law)[*given].node()), wrong->hint);
 }
 
 Result<const EffectKind*> known_effect(const std::string& name, const std::string& where) {
@@ -369,12 +375,6 @@ Result<void> read_history(const toml::table& root, Model& out, const std::string
 
 }  // namespace
 
-std::vector<std::string> Model::effect_names() const {
-  std::vector<std::string> out;
-  for (const ModelEffect& e : effects) out.push_back(e.effect);
-  return out;
-}
-
 Result<Model> parse_model(std::string_view text, const std::string& where) {
   FORCEGATE_TRY(const toml::table root, parse_toml(text, where));
   FORCEGATE_CHECK_OK(known_keys(root, {"format", "name", "sensor", "source", "output_unit", "law", "effect", "history"}, where));
@@ -384,15 +384,6 @@ Result<Model> parse_model(std::string_view text, const std::string& where) {
   FORCEGATE_CHECK_OK(read_effects(root, out, where));
   FORCEGATE_CHECK_OK(read_history(root, out, where));
   return out;
-}
-
-Result<Model> read_model(const std::filesystem::path& path) {
-  const Result<std::string> text = read_file(path);
-  std::error_code unknown;
-  if (!text)
-    return fail(ErrorCode::io, std::filesystem::exists(path, unknown) ? "cannot read the model" : "there is no such model file", path.string(),
-                "check the name; the models that come with the program are flexiforce and fsr");
-  return parse_model(*text, path.string());
 }
 
 }  // namespace forcegate

@@ -157,42 +157,65 @@ Figure rig_waterfall(const Diagnosis& d) {
 
 std::string error_title(JudgedBy judged_by) { return judged_by == JudgedBy::whole ? "Error of the whole recording" : "Held-out error"; }
 
-Figure ranking_figure(const Diagnosis& d) {
-  Figure figure("Ranking of the effects", 640.0);
-  const std::size_t n = std::min<std::size_t>(12, d.ranking.size());
-  if (n == 0) return figure;
-  figure.columns = 2;
-  const double height = 24.0 * static_cast<double>(n) + 6.0;
+namespace {
+
+void draw_probabilities(const Diagnosis& d, std::size_t n, double height, Figure& figure) {
   Panel& p = figure.panel({"Probability", ""}, {"Effect", ""}, height);
-  Panel& share = figure.panel({"Share of the explainable residual", "%"}, {"Effect, as left", ""}, height);
   p.x_axis.low = 0.0;
   p.x_axis.high = 1.0;
-  share.x_axis.include_zero = true;
   std::vector<Bar> probability;
+  for (std::size_t i = 0; i < n; ++i) {
+    const RankedEffect& r = d.ranking[n - 1 - i];
+    p.y_axis.categories.push_back(shorten(printable_utf8(r.effect), 22));
+    const bool claim = r.probability >= kClaim;
+    probability.push_back({static_cast<double>(i), 0.0, r.probability, 0.0, !claim, claim ? Role::model : Role::muted, ""});
+  }
+  p.bars(std::move(probability), true, false, 0.6);
+  p.vline(kClaim, "", Role::muted, Dash::dotted);
+}
+
+void draw_shares(const Diagnosis& d, std::size_t n, double height, Figure& figure) {
+  Panel& share = figure.panel({"Share of the explainable residual", "%"}, {"Effect, as left", ""}, height);
+  share.x_axis.include_zero = true;
   std::vector<double> alone, unique, y;
   for (std::size_t i = 0; i < n; ++i) {
     const RankedEffect& r = d.ranking[n - 1 - i];
     const double at = static_cast<double>(i);
-    p.y_axis.categories.push_back(shorten(printable_utf8(r.effect), 22));
     share.y_axis.categories.push_back("");
-    const bool claim = r.probability >= kClaim;
-    probability.push_back({at, 0.0, r.probability, 0.0, !claim, claim ? Role::model : Role::muted, ""});
     y.push_back(at);
     alone.push_back(100.0 * r.alone);
     unique.push_back(100.0 * r.unique);
     share.line({alone.back(), unique.back()}, {at, at}, {Role::muted, Dash::solid, 1.0});
   }
-  p.bars(std::move(probability), true, false, 0.6);
-  p.vline(kClaim, "", Role::muted, Dash::dotted);
   share.points(alone, y, {Role::firmware, Dash::solid, 1.0, Marker::ring, 6.0}, "alone");
   share.points(unique, y, {Role::model, Dash::solid, 1.0, Marker::dot, 6.0}, "only it");
+}
+
+// Of a residual that is noise alone nothing takes a share: what differs from record to record may be all there is to explain.
+bool shows_shares(const Diagnosis& d, std::size_t n) {
+  constexpr double kVisible = 1e-3;
+  return std::any_of(d.ranking.begin(), d.ranking.begin() + static_cast<std::ptrdiff_t>(n),
+                     [](const RankedEffect& r) { return std::abs(r.alone) > kVisible || std::abs(r.unique) > kVisible; });
+}
+
+}  // namespace
+
+Figure ranking_figure(const Diagnosis& d) {
+  Figure figure("Ranking of the effects", 640.0);
+  const std::size_t n = std::min<std::size_t>(12, d.ranking.size());
+  if (n == 0) return figure;
+  const bool shares = shows_shares(d, n);
+  figure.columns = shares ? 2 : 1;
+  const double height = 24.0 * static_cast<double>(n) + 6.0;
+  draw_probabilities(d, n, height, figure);
+  if (shares) draw_shares(d, n, height, figure);
   const RankedEffect& first = d.ranking.front();
   const bool claims = std::ranges::any_of(d.ranking, [](const RankedEffect& r) { return r.probability >= kClaim; });
   const bool of_samples = std::ranges::any_of(d.findings, [](const Finding& f) { return f.of_samples() && f.claimed(); });
   figure.summary = (claims ? "First: " + first.effect + ", probability " + probability_text(first.probability) + "; right of the dotted line is a claim."
                            : "Nothing is right of the dotted line, where a claim begins.") +
                    (of_samples ? " What the samples themselves show is claimed without a fit and not ranked here." : "") +
-                   std::string(" A wide gap between ring and dot means that another effect explains the same data.");
+                   (shares ? " A wide gap between ring and dot means that another effect explains the same data." : "");
   return figure;
 }
 

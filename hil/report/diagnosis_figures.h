@@ -22,7 +22,7 @@ bool claims_hum(const Diagnosis& diagnosis);
 figures::Figure rig_waterfall(const Diagnosis& diagnosis);
 
 /// Probability of each ranked effect (at most 12 rows), and the share it takes away alone and only it takes
-/// away.
+/// away, where any takes one.
 figures::Figure ranking_figure(const Diagnosis& diagnosis);
 
 /// "Held-out error", or of what it is where nothing could be held out.

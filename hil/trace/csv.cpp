@@ -191,7 +191,7 @@ void empty_overloads(CsvTable& table, std::size_t clock, std::vector<std::string
       if (std::fabs(v) >= kOverload) v = kMissing, ++over;
     table.columns[c].missing += over;
     if (over > 0)
-      notes.push_back("column \"" + table.columns[c].header + "\": " + std::to_string(over) + " values of 9.9e37 and more are an instrument's overload, and count as missing");
+      notes.push_back("column \"" + table.columns[c].header + "\": " + std::to_string(over) + std::string(kOverloadsLeftOut) + ", and count as missing");
   }
 }
 

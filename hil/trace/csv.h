@@ -28,6 +28,9 @@ struct TraceFile {
   std::string sensor;             ///< as a line above the rows or the name of the output's column calls it (sensor_name.h); "" where neither does
 };
 
+/// What a note says of an instrument's overload, behind the count of its samples.
+inline constexpr std::string_view kOverloadsLeftOut = " values of 9.9e37 and more are an instrument's overload";
+
 /// Every column becomes a channel in its canonical unit. A column of counts beside a physical one of the same name
 /// ("U_counts", "U_V") becomes that channel's `raw`. Errors: see read_csv_table and make_clock; no clock and no rate.
 Result<TraceFile> read_csv(const std::filesystem::path& path, const CsvOptions& options = {});

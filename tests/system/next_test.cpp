@@ -142,6 +142,9 @@ TEST(NextVerb, ASegmentThatPartsNothingIsNotAskedFor) {
   ASSERT_EQ(made.exit_code, 0) << made.err;
   const ProcessResult asked = forcegate({"next", campaign, "--json"});
   ASSERT_EQ(asked.exit_code, 0) << asked.err;
+  const ProcessResult elsewhere = forcegate({"next", campaign, "--run", "--rig", "emulated", "--specimen", "q99999", "--seed", "3"});
+  EXPECT_EQ(elsewhere.exit_code, 2);
+  EXPECT_THAT(elsewhere.err, HasSubstr("--rig, --specimen, --seed: a mystery is played on its own sensor"));
   const auto plan = nlohmann::json::parse(asked.out);
   for (const auto& segment : plan["segments"])
     EXPECT_GE(segment["odds_after"].get<double>(), 1.19 * segment["odds_before"].get<double>()) << segment["name"];

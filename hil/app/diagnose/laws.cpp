@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "hil/base/some_of.h"
 #include "hil/base/text.h"
@@ -92,10 +93,20 @@ ParameterAnswer constant_answer(const ParameterQuestion& q, ParameterAnswer answ
   return answer;
 }
 
+Result<void> check_asked_once(const CsvTable& table, const LawsRequest& request) {
+  std::set<const CsvColumn*> asked;
+  for (const std::string& name : request.of) {
+    FORCEGATE_TRY(const CsvColumn* c, column(table, name, request));
+    if (!asked.insert(c).second) return fail(ErrorCode::usage, "the parameter '" + printable_utf8(name) + "' is named twice", "--of", "name every parameter once");
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<std::vector<ParameterAnswer>> laws(const LawsRequest& request, std::vector<std::string>* notes) {
   FORCEGATE_TRY(const CsvTable table, read_csv_table(request.table));
+  FORCEGATE_CHECK_OK(check_asked_once(table, request));
   ParameterQuestion base;
   base.alpha = request.alpha / static_cast<double>(std::max<std::size_t>(1, request.of.size()));
   base.seed = request.seed;

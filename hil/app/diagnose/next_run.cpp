@@ -203,6 +203,13 @@ void tell_odds(NextRunResult& out) {
   }
 }
 
+// The sensor of a mystery is the one that its seal holds: another one that was asked for would not be played on.
+Result<void> check_nothing_is_asked_of(const fs::path& mystery, const std::vector<std::string>& named) {
+  if (named.empty()) return {};
+  return fail(ErrorCode::usage, join(named, ", ") + ": a mystery is played on its own sensor, which lies sealed beside it, and on no other", mystery.string(),
+              "leave out " + join(named, ", ") + "; recordings that were made elsewhere are given with --rig replay --record FILE");
+}
+
 }  // namespace
 
 fs::path next_folder(const fs::path& campaign) {
@@ -228,6 +235,7 @@ Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingPro
   NextRunResult out;
   std::error_code error;
   const bool on_rig = !is_replay(request), sealed = on_rig && is_mystery(request.campaign.campaign);
+  if (sealed) FORCEGATE_CHECK_OK(check_nothing_is_asked_of(request.campaign.campaign, request.named));
   FORCEGATE_TRY(const BenchToGoOn to_go_on, bench_to_go_on(request.campaign.campaign, request.bench));
   if (progress) progress(0.0, "diagnosing what there is");
   FORCEGATE_TRY(out.before, diagnose_request(request.campaign));

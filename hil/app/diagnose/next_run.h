@@ -12,6 +12,7 @@ namespace forcegate {
 struct NextRunRequest {
   CampaignRequest campaign;
   GivenBench bench;                             ///< rig "replay": segments are picked from `recorded`
+  std::vector<std::string> named;               ///< options that ask for a rig or a sensor: "--seed"
   std::vector<std::filesystem::path> recorded;  ///< CSV files
   std::filesystem::path output;  ///< new campaign; empty: beside the old one with "-next" behind its name
 };
@@ -36,8 +37,8 @@ struct NextRunResult {
 };
 
 /// Nothing of the old campaign is changed or overwritten; records that its description lists in subfolders are copied, those outside of its folder named
-/// where they are. Errors: those of the diagnosis and of the rig; usage when what is asked for contradicts what campaign.json says of the rig, and when the
-/// output holds anything but forces to record and the recordings of this run. Where no segment is planned, nothing is played and no folder made. After an error the new folder is gone but for the forces to record, and for what a rig has played.
+/// where they are. Errors: those of the diagnosis and of the rig; usage when what is asked for contradicts what campaign.json says of the rig, or
+/// names a bench for a mystery, and when the output holds anything but forces to record and the recordings of this run. Where no segment is planned, nothing is played and no folder made. After an error the new folder is gone but for the forces to record, and for what a rig has played.
 Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingProgress& progress = {},
                                const std::atomic<bool>* cancelled = nullptr);
 

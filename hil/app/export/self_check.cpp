@@ -63,6 +63,9 @@ Record rattling(Record r, const SelfCheck& range) {
 }  // namespace
 
 Result<SelfCheck> self_check(const Model& model, const Compensator& compensator, double rate_Hz) {
+  if (compensator.needs_temperature && !std::isfinite(model.frame.temperature_C))
+    return fail(ErrorCode::config, "the model needs a temperature, and says of none at which the header is held against its own inverse", join(compensator.effects, "; "),
+                "temperature_C under [law] says it, which forcegate fit writes; or give the campaign with --fit, or --reference-temperature 23");
   SelfCheck out;
   const double lowest = std::isfinite(model.frame.lowest_N) ? model.frame.lowest_N : 0.0;
   out.low_N = std::min(0.0, lowest);  // a firmware is unloaded at times, whatever the records show

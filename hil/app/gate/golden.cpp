@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "hil/base/read_file.h"
 #include "hil/base/text.h"
@@ -122,6 +123,12 @@ std::string file_name(const std::string& case_name, const std::string& specimen,
   return name;
 }
 
+// Of one case: the record that `bless` makes its golden of.
+const GoldenTarget& blessed_of(std::span<const GoldenTarget> of_case) {
+  const auto at = std::ranges::find_if(of_case, &GoldenTarget::to_bless);
+  return at == of_case.end() ? of_case.front() : *at;
+}
+
 }  // namespace
 
 std::string golden_file_name(const std::string& case_name, const std::string& specimen) {
@@ -163,10 +170,11 @@ ChecksByRecord golden_checks(const std::vector<GoldenTarget>& targets,
         margins->push_back({file_name(case_name, target.specimen, ".csv"),
                             "curve,where,t_s,golden_N,tested_N,margin_N\n" + csv});
     }
-    if (!any)
-      checks[targets[first].place].push_back(
-          not_run(targets[first], "golden", "Golden trace",
-                  "there is no golden for " + case_name + ": bless a run (forcegate bless RUN --reason ... --who ...)", true));
+    if (!any) {
+      const GoldenTarget& lacks = blessed_of({targets.begin() + static_cast<std::ptrdiff_t>(first), targets.begin() + static_cast<std::ptrdiff_t>(end)});
+      checks[lacks.place].push_back(not_run(lacks, "golden", "Golden trace",
+                                            "there is no golden for " + case_name + ": bless a run (forcegate bless RUN --reason ... --who ...)", true));
+    }
   }
   return checks;
 }

@@ -52,7 +52,7 @@ struct GoldenMargins {
 };
 
 /// Checks rig_golden and golden_firmware of every target (one specimen of a case is enough:
-/// others of it without a golden are passed over). A missing golden is not_run and required: no decision. A golden of
+/// others of it without a golden are passed over). A missing golden is not_run and required, of the record that stands for its case: no decision. A golden of
 /// another rig, or for the firmware of another seed, is not comparable: not_run, not required. One of another profile (its
 /// stimulus says so, or the record does as its own profile wants and the golden does not fit it) is not_run and required: to
 /// act is the plan, no retry helps. notes: stale goldens, where

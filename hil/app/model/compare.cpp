@@ -135,6 +135,19 @@ Result<ModelComparison> compare_request(const CampaignRequest& request, bool pic
   return out;
 }
 
+namespace {
+
+std::string refitted_in_words(JudgedBy by) {
+  switch (by) {
+    case JudgedBy::heldout: return "one law for all records, fitted to those that are not held out.";
+    case JudgedBy::left_out: return "each record by one law for all the others.";
+    case JudgedBy::whole: return "one law for the whole recording.";
+  }
+  return {};
+}
+
+}  // namespace
+
 std::string comparison_text(const ModelComparison& c) {
   const Diagnosis& d = c.view;
   const PrintedUnit unit = printed_unit(d.unit);
@@ -161,8 +174,9 @@ std::string comparison_text(const ModelComparison& c) {
   }
   if (blocks && std::isfinite(c.as_written.front().rmse_V)) out += fmt::format("as written, the whole recording: {} {}\n", plain_number(unit.factor * c.as_written.front().rmse_V), unit.name);
   out +=
-      "\nas written: the file's own numbers. refitted: one law for all records. adapted: each record with its own gain, offset,\n"
-      "decay and slow wander of the zero within the spread of the campaign. floor: what the instruments may leave.\n\nwhere the residual sits:\n";
+      "\nas written: the file's own numbers. refitted: " + refitted_in_words(d.judged_by) +
+      "\nadapted: each record with its own gain, offset, decay and slow wander of the zero within the spread of the campaign.\n"
+      "floor: what the instruments may leave.\n\nwhere the residual sits:\n";
   constexpr double kLeastShare = 0.005;
   for (std::size_t k = 0; k < d.maps.size() && k < 4 && d.maps[k].share > kLeastShare; ++k)
     out += fmt::format("  {:<26} {:>4.0f} %  {}\n", d.maps[k].coordinate, 100.0 * d.maps[k].share,

@@ -39,6 +39,15 @@ void keep_reach(Model& model) {
     }
 }
 
+// What loading the model and losing its decay say of it.
+std::vector<std::string> law_notes(const std::vector<std::string>& of_campaign, const std::string& of_unit, const Model& before, const Model& after) {
+  std::vector<std::string> out;
+  if (std::ranges::find(of_campaign, of_unit) != of_campaign.end()) out.push_back(of_unit);
+  if (before.law.decays && !after.law.decays)
+    out.emplace_back("the maxima of these records do not decay along the law of the model: what is fitted is kind = \"static\", without b_scale and q_scale");
+  return out;
+}
+
 Result<diagnose::Refit> fit_campaign(const CampaignRequest& request, Campaign campaign, const Model& model,
                                      const std::string& add) {
   const PlacesOf places(campaign, request.campaign);
@@ -46,7 +55,8 @@ Result<diagnose::Refit> fit_campaign(const CampaignRequest& request, Campaign ca
   if (!add.empty() && has_effect(model, add))
     return fail(ErrorCode::config, "the model has " + add + " already", request.model.empty() ? model.name : request.model,
                 "forcegate fit refits it");
-  const std::string unit = output_unit(campaign);
+  const std::string unit = output_unit(campaign), of_unit = note_of_another_unit(model, campaign);
+  const std::vector<std::string> of_campaign = campaign.notes;
   auto out = diagnose::refit_campaign(std::move(campaign), engine_options(model, request.threads), model, add);
   const auto own = std::ranges::find(model.user_effects, add, &UserEffect::name);
   if (!out && own != model.user_effects.end() && out.error().text.starts_with("the campaign cannot show"))
@@ -59,6 +69,7 @@ Result<diagnose::Refit> fit_campaign(const CampaignRequest& request, Campaign ca
       move.unit = "N/" + unit;
       if (model.output_unit != unit) move.before = kMissing;  // a gain of another quantity
     }
+  for (std::string& note : law_notes(of_campaign, of_unit, model, out->model)) out->notes.push_back(std::move(note));
   for (std::string& note : left_out_notes(model, add)) out->notes.push_back(std::move(note));
   for (std::string& note : beyond_bounds_notes(out->model)) out->notes.push_back(std::move(note));
   for (const UserEffect& effect : out->model.user_effects)

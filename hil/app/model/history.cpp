@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "hil/app/model/never_fitted.h"
@@ -35,6 +36,17 @@ Model before_step(const Model& with_step, const HistoryStep& step) {
   return model;
 }
 
+// Before any other step than the first of a model of the library the law and the forms were others, and no file keeps them.
+std::string not_as_it_was(const HistoryStep& step, const HistoryStep& again) {
+  constexpr double kSame = 0.01;
+  if (again.campaign != step.campaign || again.unit != step.unit) return {};
+  if (std::abs(again.error_before - step.error_before) <= kSame * step.error_before && std::abs(again.error_after - step.error_after) <= kSame * step.error_before) return {};
+  const PrintedUnit unit = printed_unit(step.unit);
+  const auto from_to = [&](double before, double after) { return plain_number(unit.factor * before) + " -> " + plain_number(unit.factor * after) + " " + unit.name; };
+  return "taken again, " + step.effect + " is " + from_to(again.error_before, again.error_after) + ", and was " + from_to(step.error_before, step.error_after) +
+         ": the file does not keep the law and the forms that the model had before, so the waterfall begins with those of now";
+}
+
 }  // namespace
 
 Result<History> history_request(const CampaignRequest& request) {
@@ -47,6 +59,7 @@ Result<History> history_request(const CampaignRequest& request) {
                                                          : fit_request(request, ""));
     out.waterfall = std::move(refit.waterfall);
     out.notes = left_out_notes(out.model);
+    if (std::string note = step != nullptr ? not_as_it_was(*step, refit.model.history.back()) : std::string(); !note.empty()) out.notes.push_back(std::move(note));
   }
   return out;
 }

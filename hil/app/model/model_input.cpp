@@ -68,6 +68,13 @@ std::string mapped_away(const std::vector<std::string>& words, const std::string
   return {};
 }
 
+// Whether the reader took numbers of the column for an overload and left them out.
+bool is_overload(const Campaign& campaign, const std::string& header) {
+  return std::ranges::any_of(campaign.notes, [&](const std::string& note) {
+    return note.find("column \"" + header + "\": ") != std::string::npos && note.find(kOverloadsLeftOut) != std::string::npos;
+  });
+}
+
 // One record without numbers among others is left out; where all are, the column says nothing, which is no word on force or output.
 Result<void> check_holds_numbers(const Campaign& campaign) {
   for (const auto& [name, what] : {std::pair{"F_ref", "the force"}, std::pair{"U", "the output"}}) {
@@ -79,6 +86,11 @@ Result<void> check_holds_numbers(const Campaign& campaign) {
     const Record& first = campaign.records.front();
     const std::string header = written_header(*first.trace.find(name), first.headers);
     const std::size_t others = campaign.records.size() - 1;
+    if (is_overload(campaign, header))
+      return fail(ErrorCode::parse,
+                  fmt::format("column \"{}\" holds no number below 9.9e37 in any of {} rows, and it is {}: from there on a number is an instrument's overload (SCPI), and counts as missing",
+                              header, first.trace.size(), what),
+                  first.place_of_header(), "was the instrument in its range, and is the number what the instrument wrote? --map NAME=" + std::string(name == std::string_view("U") ? "U_V" : "F_ref_N") + " names another column");
     return fail(ErrorCode::parse,
                 "column \"" + header + "\" holds no number in any of " + std::to_string(first.trace.size()) + " rows, and it is " + what +
                     (others > 0 ? fmt::format(", as in {} other record{}", others, others > 1 ? "s" : "") : ""),

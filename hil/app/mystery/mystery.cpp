@@ -11,6 +11,7 @@
 #include "hil/base/rng.h"
 #include "rigs/emulated/hidden/campaign_maker.h"
 #include "rigs/emulated/hidden/campaign_writer.h"
+#include "rigs/emulated/hidden/played_forces.h"
 #include "rigs/emulated/hidden/seal.h"
 
 namespace forcegate {
@@ -77,15 +78,19 @@ Result<std::vector<std::string>> play_on_mystery(const std::filesystem::path& fo
   if (json.is_discarded() || !json.contains("records"))
     return fail(ErrorCode::parse, "the campaign's description cannot be read",
                 (folder / "campaign.json").string());
+  FORCEGATE_TRY(std::vector<hidden::AskedForce> played, hidden::read_played(folder));
   const std::size_t before = json["records"].size();
   std::vector<hidden::AskedForce> asked;
   std::vector<std::string> names;
   for (const MysterySegment& s : segments) {
-    asked.push_back({s.kind, s.t_s, s.force_N, s.f_min_Hz});
+    asked.push_back({before + asked.size(), s.kind, s.t_s, s.force_N, s.f_min_Hz});
     names.push_back(fmt::format("r{:02d}_{}", before + asked.size(), s.name));
   }
-  FORCEGATE_TRY(const hidden::MadeCampaign made, hidden::continue_campaign(truth, before, asked));
-  return hidden::append_records(made, names, folder);
+  FORCEGATE_TRY(const hidden::MadeCampaign made, hidden::continue_campaign(truth, played, asked));
+  FORCEGATE_TRY(std::vector<std::string> files, hidden::append_records(made, names, folder));
+  played.insert(played.end(), asked.begin(), asked.end());
+  FORCEGATE_CHECK_OK(hidden::write_played(played, folder));
+  return files;
 }
 
 std::vector<std::string> mystery_effect_names() {

@@ -41,7 +41,8 @@ struct MysterySegment {
 };
 /// Whether the folder holds a mystery, whose sensor is at hand as long as its seal is.
 bool is_mystery(const std::filesystem::path& folder);
-/// Plays the segments on the sensor of the mystery in `folder` and appends the records there; nothing of the truth is said.
+/// Plays the segments on the sensor of the mystery in `folder`, behind all that was played on it before, and appends the records there; nothing of
+/// the truth is said.
 /// The names of the new files, in order. Errors: a seal that was changed; those of the files.
 Result<std::vector<std::string>> play_on_mystery(const std::filesystem::path& folder,
                                                  const std::vector<MysterySegment>& segments);

@@ -24,7 +24,17 @@ bool parse_double(std::string_view text, double& value) {
 
 Unexpected not_number(const std::string& word, std::string_view part) {
   return fail(ErrorCode::usage, fmt::format("\"{}\" in \"{}\" is not a number", part, word),
-              "forcegate stimulus", "write decimals with a point, as in f_Hz=0.5");
+              "forcegate stimulus",
+              part.find_first_of("[]") == std::string_view::npos ? "write decimals with a point, as in f_Hz=0.5" : "a list is written f_Hz=1,2 or f_Hz=[1,2], one number without brackets");
+}
+
+// "1,2", and "[1, 2]" as a plan writes it.
+std::vector<std::string> items_of(std::string_view list) {
+  list = trim(list);
+  if (list.size() >= 2 && list.front() == '[' && list.back() == ']') list = list.substr(1, list.size() - 2);
+  std::vector<std::string> out = split(list, ',');
+  for (std::string& part : out) part = std::string(trim(part));
+  return out;
 }
 
 const StimulusParameter* find_parameter(const StimulusKind* kind, std::string_view name) {
@@ -63,7 +73,7 @@ Result<StimulusSpec> parse_stimulus_words(const std::string& name, std::span<con
     if (parameter != nullptr && parameter->is_text) {
       spec.texts[key] = value;
     } else if (parameter != nullptr ? parameter->is_list : value.find(',') != std::string::npos) {
-      for (const std::string& part : split(value, ',')) {
+      for (const std::string& part : items_of(value)) {
         double number = 0.0;
         if (!parse_double(part, number)) return not_number(word, part);
         spec.lists[key].push_back(number);

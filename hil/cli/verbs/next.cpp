@@ -50,6 +50,8 @@ Result<int> play(const Invocation& in) {
   if (in.given("seed")) {
     FORCEGATE_TRY(request.bench.seed, in.seed("seed"));
   }
+  for (const char* option : {"rig", "rig-option", "arm", "specimen", "seed"})
+    if (in.given(option)) request.named.push_back(std::string("--") + option);
   request.output = in.text("output");
   const auto made = next_run(request, in.console().progress_callback(), &in.interrupt_flag());
   in.console().end_progress();
@@ -86,10 +88,12 @@ Result<int> run(const Invocation& in) {
   if (in.given("output")) return write(in, diagnosis);
   in.console().print_json(next_json(diagnosis));
   // a rig that was named, or the sensor of a mystery, can play them; the emulated rig's own sensor is not that of the records
-  if (in.given("record") || (is_playable(answer) && (in.given("rig") || in.given("rig-option"))))
+  if (in.given("record"))
     in.console().next(in.command_line() + " --run");
   else if (is_playable(answer) && is_mystery(in.text("CAMPAIGN")))
     in.console().next("forcegate next " + given_words(in) + " --run");
+  else if (is_playable(answer) && (in.given("rig") || in.given("rig-option")))
+    in.console().next(in.command_line() + " --run");
   else
     in.console().next("forcegate next " + given_words(in) + " -o " + shell_quoted(next_folder(in.text("CAMPAIGN")).string()));
   return kExitSuccess;
@@ -106,7 +110,7 @@ const Registration<Command> kRow{Command{
         "and diagnoses again: "
         "odds before, expected and now. With --record the segments are picked from files that you recorded; -o FOLDER without "
         "--run writes the forces to record. "
-        "The sensor of a mystery is played on as long as its seal lies beside it; nothing is revealed.",
+        "The sensor of a mystery is played on as long as its seal lies beside it, behind all that was played on it before; nothing is revealed.",
     .positionals = {campaign_positional()},
     .options = joined({{model_row()},
                        campaign_rows(),
@@ -129,7 +133,7 @@ const Registration<Command> kRow{Command{
                          .letter = 'o',
                          .names = Names::records}}}),
     .examples = {{"forcegate next m7", "Which records would settle it:"},
-                 {"forcegate next m7 --run --rig-option hidden=creep:strong",
+                 {"forcegate next mine --run --rig-option hidden=creep:strong",
                   "Play them on the emulated rig and ask again:"}},
     .run = run,
 }};

@@ -20,7 +20,7 @@ using Eigen::VectorXd;
 
 constexpr std::size_t kFewest = 6;
 constexpr Index kSpare = 3;          // degrees of freedom that a law must leave
-constexpr double kSame = 0.95;       // |cos| of two signatures that a table cannot tell apart
+constexpr double kSame = 0.95;       // |cos| of two signatures that are alike
 constexpr double kCollinear = 1e-6;  // share of a candidate that the law does not hold already
 
 const Covariate* find(const std::vector<Covariate>& all, const std::string& name) {
@@ -152,7 +152,7 @@ struct Step {
 };
 
 Step search(const ParameterQuestion& q, const Candidates& c, const Fit& fit, Index law_size,
-            std::uint64_t stream) {
+            const std::string& stream) {
   Step out;
   const Index n = fit.residual.size(), m = c.Z.cols(), dof = n - law_size - 1;
   if (m == 0 || dof < kSpare) return out;
@@ -287,12 +287,33 @@ double loo_with(const MatrixXd& X, const VectorXd& column, const VectorXd& y, co
   return fit_law(wider, y, root_w).loo;
 }
 
-// Terms whose columns these records cannot tell from that of the best one.
-std::vector<LawTerm> as_good_as_best(const Candidates& c, const Step& found) {
+// What is asked, in the response and the weights of the records, and how far the law has grown.
+struct Asked {
+  const ParameterQuestion& q;
+  const GrowingLaw& law;
+  const VectorXd &y, &root_w;
+  std::uint64_t step;
+};
+
+// Whether the best term says nothing more where the rival is in the law: by the test that the best one had to pass.
+bool does_as_well(const Asked& asked, const LawTerm& best, const LawTerm& rival) {
+  GrowingLaw law = asked.law;
+  law.add(rival, column_of(rival, asked.q.covariates));
+  const Fit fit = fit_law(law.X, asked.y, asked.root_w);
+  Candidates beside = candidates_beside(asked.q, law.terms, fit, asked.root_w);
+  const auto at = std::ranges::find_if(beside.terms, [&](const LawTerm& t) { return same(t, best); });
+  if (at == beside.terms.end()) return true;
+  const MatrixXd column = beside.Z.col(at - beside.terms.begin());
+  const Step step = search(asked.q, {{best}, column}, fit, law.X.cols(), fmt::format("{}/beside {}", asked.step, to_string(rival)));
+  return step.ranking.empty() || step.ranking.front().p_alone > asked.q.alpha;
+}
+
+// Terms that these records cannot tell from the best one, neither by their columns nor by what they leave.
+std::vector<LawTerm> as_good_as_best(const Asked& asked, const Candidates& c, const Step& found) {
   std::vector<LawTerm> out;
   const auto column = [&](std::size_t rank) { return c.Z.col(static_cast<Index>(found.order[rank])); };
   for (std::size_t k = 1; k < found.order.size(); ++k)
-    if (std::fabs(column(0).dot(column(k))) > kSame) out.push_back(found.ranking[k].term);
+    if (std::fabs(column(0).dot(column(k))) > kSame && does_as_well(asked, found.ranking.front().term, found.ranking[k].term)) out.push_back(found.ranking[k].term);
   return out;
 }
 
@@ -317,42 +338,6 @@ std::string sentence_of(const ParameterAnswer& a) {
 
 }  // namespace
 
-std::string to_string(const LawTerm& t) {
-  switch (t.form) {
-    case TermForm::linear: return t.covariate;
-    case TermForm::logarithm: return "ln " + t.covariate;
-    case TermForm::reciprocal: return "1/" + t.covariate;
-    case TermForm::square: return t.covariate + "^2";
-    case TermForm::product: return t.covariate + " " + t.other;
-  }
-  return t.covariate;
-}
-
-Result<LawTerm> parse_term(std::string_view text) {
-  const std::string_view t = trim(text);
-  const auto rest = [&](std::size_t n) { return std::string(trim(t.substr(n))); };
-  LawTerm out;
-  if (t.starts_with("ln ")) {
-    out = {TermForm::logarithm, rest(3), {}};
-  } else if (t.starts_with("1/")) {
-    out = {TermForm::reciprocal, rest(2), {}};
-  } else if (t.ends_with("^2")) {
-    out = {TermForm::square, std::string(trim(t.substr(0, t.size() - 2))), {}};
-  } else if (const std::size_t at = t.find_first_of("* "); at != std::string_view::npos) {
-    out = {TermForm::product, std::string(trim(t.substr(0, at))), rest(at + 1)};
-    if (out.other == out.covariate) out = {TermForm::square, out.covariate, {}};
-  } else {
-    out = {TermForm::linear, std::string(t), {}};
-  }
-  const auto plain = [](const std::string& name) {
-    return !name.empty() && name.find_first_of("*/^ ") == std::string::npos;
-  };
-  if (!plain(out.covariate) || (out.form == TermForm::product && !plain(out.other)))
-    return fail(ErrorCode::usage, "\"" + printable_utf8(text) + "\" is no term of a law", {},
-                "write f, \"ln f\", 1/f, f^2 or f*m");
-  return out;
-}
-
 Result<ParameterAnswer> missing_dependence(const ParameterQuestion& q) {
   FORCEGATE_CHECK_OK(check(q));
   std::vector<double> u = q.u;
@@ -371,7 +356,7 @@ Result<ParameterAnswer> missing_dependence(const ParameterQuestion& q) {
   out.loo_before = fit.loo;
   for (std::uint64_t step = 0;; ++step) {
     const Candidates c = candidates_beside(q, law.terms, fit, root_w);
-    Step found = search(q, c, fit, law.X.cols(), step);
+    Step found = search(q, c, fit, law.X.cols(), std::to_string(step));
     if (found.ranking.empty()) break;
     for (RankedTerm& r : found.ranking) r.loo_after = loo_with(law.X, column_of(r.term, q.covariates), y, root_w);
     if (step == 0) {
@@ -382,7 +367,7 @@ Result<ParameterAnswer> missing_dependence(const ParameterQuestion& q) {
     const RankedTerm& best = found.ranking.front();
     // significant, and it predicts a record that it was not fitted to
     if (best.p > q.alpha || best.loo_after >= fit.loo) break;
-    out.added.push_back({best, fit.loo, as_good_as_best(c, found)});
+    out.added.push_back({best, fit.loo, as_good_as_best({q, law, y, root_w, step}, c, found)});
     law.add(best.term, column_of(best.term, q.covariates));
     weigh(law.X, y, u, root_w);
     fit = fit_law(law.X, y, root_w);

@@ -68,7 +68,7 @@ struct LawCoefficient {
 struct FoundTerm {
   RankedTerm found;
   double loo_before = 0.0;
-  std::vector<LawTerm> fits_as_well;  ///< signatures with |cos| > 0.95: this table cannot tell them apart
+  std::vector<LawTerm> fits_as_well;  ///< signatures with |cos| > 0.95, beside which the found term is not significant (alone, at alpha)
 };
 
 struct ParameterAnswer {

@@ -274,8 +274,36 @@ Result<MadeCampaign> make_twin(const CampaignRequest& request) {
   return perform(request, stage, {});
 }
 
-Result<MadeCampaign> continue_campaign(const Truth& truth, std::size_t before,
-                                       const std::vector<AskedForce>& asked) {
+namespace {
+
+// Behind what the plans hold already.
+Result<RecordPlan> plan_of(const AskedForce& a, const Stage& stage, std::uint64_t seed) {
+  if (a.t_s.size() < 2 || a.t_s.size() != a.force_N.size() || !std::is_sorted(a.t_s.begin(), a.t_s.end()))
+    return fail(ErrorCode::usage, "a force to play needs at least two points in order of time");
+  const RecordPlan& last = stage.plans.back();
+  RecordPlan p;
+  p.kind = a.kind;
+  p.dynamic = a.f_min_Hz > 0.0;
+  p.f_min_Hz = a.f_min_Hz;
+  p.point_s = a.t_s;
+  p.point_N = a.force_N;
+  p.duration_s = a.t_s.back();
+  p.rate_Hz = stage.conditions.slow_rate_Hz;
+  p.rest_before_s = a.rest_before_s;
+  p.start_s = std::round(last.start_s + last.duration_s + a.rest_before_s);
+  p.low_N = *std::min_element(a.force_N.begin(), a.force_N.end());
+  p.high_N = *std::max_element(a.force_N.begin(), a.force_N.end());
+  p.drive_V = last.drive_V;
+  p.mounting = last.mounting;
+  const std::string number = std::to_string(a.number);
+  p.seed = mix_seed(seed, "record/" + number);
+  p.session_seed = mix_seed(seed, "session/asked/" + number);
+  return p;
+}
+
+}  // namespace
+
+Result<MadeCampaign> continue_campaign(const Truth& truth, const std::vector<AskedForce>& played, const std::vector<AskedForce>& asked) {
   CampaignRequest request;
   request.seed = truth.seed;
   request.name = truth.campaign;
@@ -283,31 +311,11 @@ Result<MadeCampaign> continue_campaign(const Truth& truth, std::size_t before,
   request.minutes = truth.minutes;
   for (const TruthEffect& e : truth.effects) request.effects.push_back(e.name);
   FORCEGATE_TRY(Stage stage, set_stage(request));
-  const std::size_t own = stage.plans.size();
-  for (std::size_t k = 0; k < asked.size(); ++k) {
-    const AskedForce& a = asked[k];
-    if (a.t_s.size() < 2 || a.t_s.size() != a.force_N.size() || !std::is_sorted(a.t_s.begin(), a.t_s.end()))
-      return fail(ErrorCode::usage, "a force to play needs at least two points in order of time");
-    const RecordPlan& last = stage.plans.back();
-    RecordPlan p;
-    p.kind = a.kind;
-    p.dynamic = a.f_min_Hz > 0.0;
-    p.f_min_Hz = a.f_min_Hz;
-    p.point_s = a.t_s;
-    p.point_N = a.force_N;
-    p.duration_s = a.t_s.back();
-    p.rate_Hz = stage.conditions.slow_rate_Hz;
-    p.rest_before_s = a.rest_before_s;
-    p.start_s = std::round(last.start_s + last.duration_s + a.rest_before_s);
-    p.low_N = *std::min_element(a.force_N.begin(), a.force_N.end());
-    p.high_N = *std::max_element(a.force_N.begin(), a.force_N.end());
-    p.drive_V = last.drive_V;
-    p.mounting = last.mounting;
-    const std::string number = std::to_string(before + k);
-    p.seed = mix_seed(truth.seed, "record/" + number);
-    p.session_seed = mix_seed(truth.seed, "session/asked/" + number);
-    stage.plans.push_back(std::move(p));
-  }
+  for (const std::vector<AskedForce>* forces : {&played, &asked})
+    for (const AskedForce& force : *forces) {
+      FORCEGATE_TRY(RecordPlan plan, plan_of(force, stage, truth.seed));
+      stage.plans.push_back(std::move(plan));
+    }
   std::vector<std::unique_ptr<HiddenEffect>> effects;
   for (std::size_t k = 0; k < stage.kinds.size(); ++k)
     effects.push_back(make_effect(*stage.kinds[k], truth.seed, truth.effects[k].strength));
@@ -315,7 +323,7 @@ Result<MadeCampaign> continue_campaign(const Truth& truth, std::size_t before,
   made.conditions = stage.conditions;
   made.truth = truth;
   made.records = run_campaign(stage.conditions, stage.climate, stage.plans, effects, {});
-  made.records.erase(made.records.begin(), made.records.begin() + static_cast<std::ptrdiff_t>(own));
+  made.records.erase(made.records.begin(), made.records.end() - static_cast<std::ptrdiff_t>(asked.size()));
   return made;
 }
 

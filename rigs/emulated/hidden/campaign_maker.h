@@ -46,17 +46,17 @@ Result<MadeCampaign> make_twin(const CampaignRequest& request);
 
 /// A force that somebody asks to be played on the sensor of a campaign.
 struct AskedForce {
+  std::size_t number = 0;  ///< of its record in the campaign, from 0: each has its own noise
   std::string kind;  ///< of stimuli/: "ramp", "sine", ...
   std::vector<double> t_s, force_N;
   double f_min_Hz = 0.0;  ///< lowest frequency of a cyclic load, under which the maxima decay; 0: not cyclic
   double rest_before_s = 7200.0;
 };
 
-/// The same bench, sensor and hidden effects go on: records behind those of the campaign, `before` of which stand there
-/// already. Only the new records are given back; what they do to each other is not remembered by a later call.
+/// The same bench, sensor and hidden effects go on: records behind those of the campaign and behind what was `played` since, which
+/// the sensor has felt and the clock has counted. Only the records of `asked` are given back.
 /// Errors: as make_campaign; a force without at least two points in order.
-Result<MadeCampaign> continue_campaign(const Truth& truth, std::size_t before,
-                                       const std::vector<AskedForce>& asked);
+Result<MadeCampaign> continue_campaign(const Truth& truth, const std::vector<AskedForce>& played, const std::vector<AskedForce>& asked);
 
 /// The same data as a diagnosis reads it, without going through files: channels F_ref, U, theta, ... and
 /// those facts that the lab wrote down. The caller gives the records away.

@@ -9,6 +9,7 @@
 
 #include "hil/base/read_file.h"
 #include "rigs/emulated/hidden/documentation.h"
+#include "rigs/emulated/hidden/played_forces.h"
 #include "rigs/emulated/hidden/seal.h"
 
 namespace forcegate::hidden {
@@ -141,7 +142,7 @@ void remove_recordings(const fs::path& folder) {
     const fs::path file = record["file"].get<std::string>();
     if (file == file.filename() && file.extension() == ".csv") fs::remove(folder / file, ignored);
   }
-  fs::remove(folder / kSealedFile, ignored);  // it would be taken for that of the new campaign
+  for (const char* of_the_old : {kSealedFile, kPlayedFile}) fs::remove(folder / of_the_old, ignored);  // they would be taken for those of the new campaign
 }
 
 }  // namespace

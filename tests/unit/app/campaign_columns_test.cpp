@@ -119,6 +119,15 @@ TEST_F(CampaignColumns, AForceOrAnOutputWithoutANumberIsAnErrorAndNoForceThatSta
   }
 }
 
+TEST_F(CampaignColumns, NumbersBeyondWhatIsReadAreToldAsThatAndNotAsNone) {
+  std::string text = "t_s,F_ref_N,U_V\n";
+  for (int i = 0; i < 40; ++i) text += std::to_string(i) + ",1e200,0.5\n";
+  const auto campaign = load_recordings(put(text));
+  ASSERT_FALSE(campaign);
+  EXPECT_THAT(campaign.error().text, HasSubstr("column \"F_ref_N\" holds no number below 9.9e37 in any of 40 rows, and it is the force"));
+  EXPECT_THAT(campaign.error().to_text(), AllOf(HasSubstr("an instrument's overload"), Not(HasSubstr("is the instrument connected"))));
+}
+
 TEST_F(CampaignColumns, DaysThatWereTakenForSecondsAreToldWhereTheRecordIsTooShort) {
   for (const double first : {46347.4, 0.4}) {
     std::string text = "Time,F_ref_N,U_V\n";

@@ -60,6 +60,14 @@ TEST_F(Laws, NothingIsExplainedByItself) {
   }
 }
 
+TEST_F(Laws, AParameterIsExplainedOnce) {
+  LawsRequest request = table();
+  request.of = {"b", "b"};
+  const auto answers = laws(request);
+  ASSERT_FALSE(answers);
+  EXPECT_THAT(answers.error().to_text(), HasSubstr("the parameter 'b' is named twice"));
+}
+
 TEST_F(Laws, ACovariateThatIsNotThereIsNamed) {
   LawsRequest request = table();
   request.law = {"ln humidity"};

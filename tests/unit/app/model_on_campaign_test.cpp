@@ -1,5 +1,6 @@
 // What the verbs that ask a model do with a campaign other than the one it was fitted on, and with samples that are none of the sensor's.
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -13,12 +14,17 @@
 #include "hil/app/export/export.h"
 #include "hil/app/model/compare.h"
 #include "hil/app/model/fit.h"
+#include "hil/app/model/history.h"
 #include "hil/app/model/simulate.h"
 #include "hil/base/rng.h"
 #include "tests/support/folder_test.h"
 
 namespace forcegate {
 namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 class ModelOnCampaign : public FolderTest {
  protected:
@@ -222,6 +228,52 @@ TEST_F(ModelOnCampaign, OfOneShortRecordingNoLawIsLeftToRefitAndNothingRepeatsIt
   EXPECT_NE(said.find("            -"), std::string::npos) << said;
   EXPECT_EQ(said.find("repeatability"), std::string::npos) << said;
   EXPECT_NE(comparison_json(*compared).find("\"plain_before\": null"), std::string::npos) << comparison_json(*compared);
+}
+
+TEST_F(ModelOnCampaign, AFitSaysThatTheFileIsOfAnotherOutput) {
+  CampaignRequest request = campaign("film", {20.0, 20.0, 20.0});
+  request.model = put("counts.toml", "output_unit = \"counts\"\n[law]\ngain_N_per_V = 0.002\n").string();
+  const auto fitted = fit_request(request, "");
+  ASSERT_TRUE(fitted) << fitted.error().to_text();
+  EXPECT_EQ(fitted->model.output_unit, "V");
+  EXPECT_THAT(fitted->notes, Contains(HasSubstr("the model takes an output in counts, and these records hold it in V")));
+}
+
+TEST_F(ModelOnCampaign, AFitSaysThatTheDecayOfTheModelIsGone) {
+  CampaignRequest request = one_recording("still.csv", "t_s,F_ref_N,U_V\n", 1.0, 2.0);
+  const auto fitted = fit_request(request, "");
+  ASSERT_TRUE(fitted) << fitted.error().to_text();
+  EXPECT_FALSE(fitted->model.law.decays);
+  EXPECT_THAT(fitted->notes, Contains(HasSubstr("what is fitted is kind = \"static\"")));
+  request.model = put("static.toml", "[law]\nkind = \"static\"\n").string();
+  const auto again = fit_request(request, "");
+  ASSERT_TRUE(again) << again.error().to_text();
+  EXPECT_THAT(again->notes, Not(Contains(HasSubstr("kind = \"static\""))));
+}
+
+// A step that was taken from a model that no file keeps is not that step when it is taken again.
+TEST_F(ModelOnCampaign, HistorySaysWhereAStepIsNotAsItWas) {
+  CampaignRequest request = campaign("film", {20.0, 22.0, 27.0, 24.0, 21.0, 29.0});
+  const auto added = fit_request(request, "thermal");
+  ASSERT_TRUE(added) << added.error().to_text();
+  Model model = added->model;
+  const auto notes = [&] {
+    request.model = put("better.toml", write_model(model)).string();
+    const auto history = history_request(request);
+    EXPECT_TRUE(history) << history.error().to_text();
+    return history ? history->notes : std::vector<std::string>{};
+  };
+  EXPECT_THAT(notes(), Not(Contains(HasSubstr("taken again"))));
+  model.history.back().error_before *= 0.7;
+  EXPECT_THAT(notes(), Contains(HasSubstr("taken again, thermal is ")));
+  model.history.back().campaign = "another";
+  EXPECT_THAT(notes(), Not(Contains(HasSubstr("taken again"))));
+}
+
+TEST_F(ModelOnCampaign, CompareSaysByWhichLawARecordIsPredicted) {
+  const auto c = compare_request(campaign("film", {20.0, 20.0, 20.0}));
+  ASSERT_TRUE(c) << c.error().to_text();
+  EXPECT_THAT(comparison_text(*c), HasSubstr("refitted: each record by one law for all the others.\n"));
 }
 
 }  // namespace

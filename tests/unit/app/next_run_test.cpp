@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/folder_test.h"
+
 namespace forcegate {
 namespace {
 
@@ -13,6 +15,19 @@ TEST(IsPlayable, NeedsASegmentThatTheRigCanPlayWithoutHeating) {
   EXPECT_FALSE(is_playable(planned));
   planned.segments[1].heats = false;
   EXPECT_TRUE(is_playable(planned));
+}
+
+class NextRun : public FolderTest {};
+
+TEST_F(NextRun, NoOtherSensorIsPlayedOnForAMystery) {
+  put("sealed_truth.json", "{}");
+  NextRunRequest request;
+  request.campaign.campaign = folder_;
+  request.named = {"--rig", "--seed"};
+  const auto refused = next_run(request);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::usage);
+  EXPECT_EQ(refused.error().text.substr(0, 15), "--rig, --seed: ") << refused.error().to_text();
 }
 
 }  // namespace

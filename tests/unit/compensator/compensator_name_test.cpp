@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "hil/app/export/compensator_check.h"
+#include "hil/app/export/self_check.h"
 #include "hil/model/compensator/compensator.h"
 #include "tests/unit/compensator/to_and_fro.h"
 
@@ -31,6 +32,21 @@ TEST(CompensatorCheck, ARecordWithoutTheTemperatureThatTheModelNeedsIsNotReplaye
   ASSERT_FALSE(check);
   EXPECT_EQ(check.error().where, "to and fro");
   EXPECT_NE(check.error().text.find("needs a temperature"), std::string::npos) << check.error().to_text();
+}
+
+// The rows that a header is held against are made for that: no record of anybody's lacks a column.
+TEST(SelfCheck, AModelThatSaysNoTemperatureIsAskedForOne) {
+  Model m;
+  m.law.decays = false;
+  m.user_effects.push_back({"mine", {{"k", "1", 0.004}}, {}, "k * F * T"});
+  const auto made = make_compensator(m, {});
+  ASSERT_TRUE(made) << made.error().to_text();
+  const auto lacks = self_check(m, *made, 1000.0);
+  ASSERT_FALSE(lacks);
+  EXPECT_NE(lacks.error().hint.find("--reference-temperature"), std::string::npos) << lacks.error().to_text();
+  EXPECT_EQ(lacks.error().to_text().find("--check"), std::string::npos) << lacks.error().to_text();
+  m.frame.temperature_C = 23.0;
+  EXPECT_TRUE(self_check(m, *made, 1000.0));
 }
 
 TEST(CompensatorName, ALongNameIsCutSoThatEveryEffectIsKnownByItsBeginning) {

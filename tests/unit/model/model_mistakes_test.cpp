@@ -42,6 +42,35 @@ TEST(ModelMistakes, ANumberInQuotesAndBoundsInTheWrongOrderAreToldAsThat) {
   EXPECT_NE(e.text.find("the bounds of gain_N_per_V are reversed: min = 1 is above max = 0.1"), std::string::npos) << e.to_text();
 }
 
+TEST(ModelMistakes, BoundsOfTheLawHoldForWhatIsWrittenThere) {
+  EXPECT_TRUE(parse_model("[law]\ngain_N_per_V = { value = 0.5, min = 0.1, max = 0.9 }\n", "m.toml"));
+  EXPECT_NE(mistake("[law]\ngain_N_per_V = { value = 0.5, min = 0.6 }\n").text.find("gain_N_per_V"), std::string::npos);
+}
+
+TEST(ModelMistakes, ALawThatIsNoDecayIsNone) {
+  const auto text = [](const char* constants) { return "[law]\n" + std::string(constants) + "\n"; };
+  const Error grows = mistake(text("b_intercept_per_s = -0.01"));
+  EXPECT_EQ(grows.text, "b is -0.01 1/s at 0 Hz: the maxima would grow without end");
+  EXPECT_EQ(grows.where, "m.toml:2:21");
+  EXPECT_NE(mistake(text("b_slope_s_per_s = -0.001")).text.find("at 25 Hz"), std::string::npos);
+  EXPECT_NE(mistake(text("b_slope_s_per_s = 0\nb_intercept_per_s = 0")).text.find("nothing would decay"), std::string::npos);
+  const Error turns = mistake(text("q_curvature_per_N2 = -1"));
+  EXPECT_NE(turns.text.find("q is -0.19 at a swing of 2.5 N"), std::string::npos) << turns.to_text();
+  EXPECT_NE(turns.hint.find("above -0.16 for a span of 5 N"), std::string::npos) << turns.to_text();
+  // what a decay may be, and what no record decays by
+  for (const char* sound : {"b_slope_s_per_s = 0", "b_intercept_per_s = 0", "b_slope_s_per_s = -0.0001", "q_curvature_per_N2 = -0.1", "span_N = 1\nq_curvature_per_N2 = -1", "kind = \"static\"\nb_intercept_per_s = -1"})
+    EXPECT_TRUE(parse_model(text(sound), "m.toml")) << sound;
+}
+
+TEST(ModelMistakes, AnErrorOfTheHistoryIsANumberFromZeroOn) {
+  for (const char* key : {"error_before", "error_after", "plain_before", "plain_after", "floor"})
+    for (const char* value : {"-3", "nan", "inf"}) {
+      const Error e = mistake(kLaw + "[[history]]\n" + key + " = " + value + "\n");
+      EXPECT_EQ(e.text.find(std::string(key) + " = "), 0u) << e.to_text();
+      EXPECT_EQ(e.where.substr(0, 9), "m.toml:5:") << e.to_text();
+    }
+}
+
 TEST(ModelMistakes, ALongEquationIsNotToldWhole) {
   std::string sum = "k * F";
   for (int i = 0; i < 20000; ++i) sum += "+k*F";

@@ -21,6 +21,15 @@ TEST(RankingFigure, WithoutAClaimNamesNoFirst) {
   EXPECT_THAT(ranking_figure(d).summary, HasSubstr("Nothing is right of the dotted line"));
 }
 
+TEST(RankingFigure, WithoutAShareOfTheResidualHasNoPanelOfShares) {
+  Diagnosis d = sample::diagnosis();
+  const auto svg = [&] { return ranking_figure(d).svg(figures::Figure::Target::embedded); };
+  EXPECT_THAT(svg(), HasSubstr("Share of the explainable residual"));
+  for (RankedEffect& r : d.ranking) r.alone = r.unique = 0.0;
+  EXPECT_THAT(svg(), testing::AllOf(HasSubstr("Probability"), testing::Not(HasSubstr("Share of the explainable residual"))));
+  EXPECT_THAT(ranking_figure(d).summary, testing::Not(HasSubstr("ring and dot")));
+}
+
 TEST(WaterfallFigure, WritesTheLongestNameOfAnEffectOut) {
   const figures::Figure figure = figures::waterfall("Error", "start", {{"static_nonlinearity", 1.0, 0.5}}, "now", "V", 0.1);
   EXPECT_THAT(figure.svg(figures::Figure::Target::embedded), HasSubstr("static_nonlinearity"));

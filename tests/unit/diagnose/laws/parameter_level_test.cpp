@@ -74,6 +74,18 @@ TEST(ParameterLevel, FormsThatTheTableCannotTellApartAreNamed) {
   EXPECT_FALSE(a->added[0].fits_as_well.empty());  // m, m^2 and ln m hardly differ over a factor of two
 }
 
+// f T goes with f where T hardly varies, and leaves seven times the error.
+TEST(ParameterLevel, AFormThatLeavesClearlyMoreIsNotOfTheSameSize) {
+  ParameterQuestion q = records(5, 20, 0.00005);
+  const auto a = missing_dependence(q);
+  ASSERT_TRUE(a);
+  ASSERT_EQ(a->added.size(), 1u) << a->sentence;
+  EXPECT_EQ(to_string(a->added[0].found.term), "f");
+  EXPECT_GT(a->ranking[1].loo_after, 3.0 * a->ranking[0].loo_after) << to_string(a->ranking[1].term);
+  EXPECT_TRUE(a->added[0].fits_as_well.empty()) << a->sentence;
+  EXPECT_EQ(a->sentence.find("of the same size"), std::string::npos) << a->sentence;
+}
+
 TEST(ParameterLevel, WithoutADependenceTheAnswerSaysHowLargeOneWouldHaveToBe) {
   ParameterQuestion q = records(7, 20, 0.0005);
   q.law = {kF};
