@@ -59,11 +59,12 @@ double middle_of_output_V(std::span<const RecordHealth* const> records) {
 // Whatever was declared: quiet in some records and restless in the others, of one size in each, while the output is as noisy in both. A force that moves fast is restless
 // too: the output stands still meanwhile.
 std::optional<HealthClaim> in_some_records(const std::vector<RecordHealth>& health, const HealthScales& scales) {
-  constexpr double kLeast = 0.0025, kTimes = 3.0, kAlike = 3.0, kOutputAlike = 1.3, kStill = 0.5, kProbability = 0.93;  // kLeast: of the range
+  constexpr double kLeast = 0.0025, kTimes = 3.0, kAlike = 3.0, kOutputAlike = 1.3, kOwn = 0.5, kProbability = 0.93;  // kLeast: of the range
   constexpr std::size_t kFewest = 2;
   double step_N = 0.0;
   for (const RecordHealth& h : health) step_N = std::max(step_N, h.lsb_F_N);
-  const auto noise_N = [&](const RecordHealth* h) { return std::max(own_noise_N(*h), 0.5 * step_N); };
+  // as it is: what the output brings into a quiet record is taken off by a difference that may leave nothing
+  const auto noise_N = [&](const RecordHealth* h) { return std::max(h->noise_F_N, 0.5 * step_N); };
   std::vector<const RecordHealth*> order;
   for (const RecordHealth& h : health)
     if (std::isfinite(own_noise_N(h))) order.push_back(&h);
@@ -77,7 +78,7 @@ std::optional<HealthClaim> in_some_records(const std::vector<RecordHealth>& heal
   double square = 0.0;
   for (const RecordHealth* h : loud) square += noise_N(h) * noise_N(h);
   const double found = std::sqrt(square / static_cast<double>(loud.size())), usual = noise_N(calm[calm.size() / 2]);
-  const auto stand_still = std::ranges::count_if(loud, [&](const RecordHealth* h) { return h->scatter_F.still_N > kStill * noise_N(h); });
+  const auto stand_still = std::ranges::count_if(loud, [&](const RecordHealth* h) { return std::min(own_noise_N(*h), h->scatter_F.still_N) > kOwn * noise_N(h); });
   if (found < kLeast * scales.range_N || noise_N(loud.back()) > kAlike * noise_N(loud.front()) || stand_still < static_cast<std::ptrdiff_t>(kFewest) ||
       middle_of_output_V(loud) > kOutputAlike * middle_of_output_V(calm))
     return std::nullopt;

@@ -55,6 +55,13 @@ TEST(ReferenceNoiseClaim, AForceThatIsFastWhileTheOutputMovesIsNoNoise) {
   EXPECT_FALSE(claim_of_reference_noise(health, scales(), {}).has_value());
 }
 
+// Of a noisy output a difference is taken off, which may leave nothing.
+TEST(ReferenceNoiseClaim, WhatANoisyOutputHidesIsNotQuiet) {
+  std::vector<RecordHealth> health(5, record(kLoud_N));
+  for (std::size_t k = 0; k < 2; ++k) health[k].scatter_F.alone_N = 0.0;
+  EXPECT_FALSE(claim_of_reference_noise(health, scales(), {}).has_value());
+}
+
 TEST(ReferenceNoiseClaim, MovementLeavesAnotherAmountInEveryRecord) {
   const std::vector<RecordHealth> health = {record(kQuiet_N), record(kQuiet_N), record(4.0 * kQuiet_N), record(8.0 * kQuiet_N), record(20.0 * kQuiet_N)};
   EXPECT_FALSE(claim_of_reference_noise(health, scales(), {}).has_value());
