@@ -78,6 +78,8 @@ void collect_findings(const Workspace& w, const Search& search, const Remainder&
   if (w.has_command && search.drive.base.valid) add_findings(w, w.command, search.drive, kNamedEnough, out);
   if (auto contact = contact_that_opens(w, out.findings)) {
     std::erase_if(out.findings, [&](const Finding& f) { return f.effect == contact->effect; });
+    // of the records in which it opens; what the search took and did not claim is no answer beside it
+    if (std::ranges::none_of(out.findings, [](const Finding& f) { return f.claimed() && f.of_reference(); })) out.errors["F"] = {contact->error_before, contact->error_after, "N", false};
     out.findings.push_back(*std::move(contact));
   }
   if (auto late = listed_late_drive(w, out.findings)) out.findings.push_back(*std::move(late));
