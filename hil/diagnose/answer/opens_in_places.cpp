@@ -46,7 +46,7 @@ struct ClosedLine {
 
 // Most rows tell it: where the contact closes again the wheel bounces.
 std::optional<ClosedLine> closed_line(const RecordInput& r, const std::vector<double>& drive, double closed_N) {
-  constexpr double kLine = 0.9, kOfMedian = 0.6745, kBounces = 3.0;
+  constexpr double kLine = 0.9, kOfMedian = 0.6745, kBounces = 3.0, kRounding = 1e-9;
   constexpr double kFewest = 50.0;
   constexpr int kRounds = 3;
   std::optional<ClosedLine> out;
@@ -55,7 +55,7 @@ std::optional<ClosedLine> closed_line(const RecordInput& r, const std::vector<do
     std::vector<double> off_N;
     const auto off = [&](std::size_t i) { return std::abs(r.F_N[i] - out->offset_N - out->slope * drive[i]); };
     for (std::size_t i = 0; i < r.rows(); ++i)
-      if (r.ok[i] != 0 && r.F_N[i] > closed_N && (!out || off(i) < kBounces * out->left_N)) line.push(drive[i], r.F_N[i]);
+      if (r.ok[i] != 0 && r.F_N[i] > closed_N && (!out || off(i) <= kBounces * out->left_N + kRounding * closed_N)) line.push(drive[i], r.F_N[i]);
     if (line.n() < kFewest || !(line.variance_V2() > 0.0) || !(line.covariance_VN() > 0.0) || std::pow(line.residual_N(), 2) > (1.0 - kLine) * line.variance_N2()) return std::nullopt;
     out = ClosedLine{line.gain_N_per_V(), line.offset_N()};
     for (std::size_t i = 0; i < r.rows(); ++i)

@@ -66,6 +66,10 @@ TEST(OpensInPlaces, IsSeenAgainstACommandThatMadeNoLaw) {
   EXPECT_TRUE(contact_that_opens(workspace(std::move(records)), {}).has_value());
 }
 
+TEST(OpensInPlaces, NeedsNoNoise) {
+  EXPECT_TRUE(contact_that_opens(workspace({record("even", [](double t) { return cycles(t, -0.3); }, 0.0)}), {}).has_value());
+}
+
 TEST(OpensInPlaces, IsSeenBesideAWheelThatBounces) {
   RecordInput r = opening();
   double closes_s = -1.0;
