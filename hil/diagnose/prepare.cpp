@@ -264,20 +264,14 @@ JudgedBy judges_of(const std::vector<RecordInput>& records) {
   return heldout == 0 || heldout == std::ssize(records) ? JudgedBy::left_out : JudgedBy::heldout;
 }
 
-// A hand that goes up and down hardly twice has cycled the film, if what any law without decay leaves goes nearly whole with one.
-bool decays_all_the_same(const RecordInput& input) {
-  constexpr double kLeft = 0.05, kDepth = 0.03;  // of the mean square; of the swing
-  const OwnDecay own = own_decay(input, choose_rows(input, 4000));
-  return own.mean_square < kLeft * own.static_mean_square && own.depth > kDepth;
-}
-
 void find_decay(RecordInput& input, const Record* declared, const CampaignInput& campaign, bool law_decays) {
   // whether it decays is asked afterwards: two slow cycles are enough to ask
   constexpr std::size_t kFewestTurns = 4, kFewestToAsk = 2;
   estimate_excitation(input, declared, campaign.range_N, kFewestTurns);
+  // a hand that goes up and down hardly twice has cycled the film, where the decay is plain
   if (law_decays && !campaign.single && !input.dynamic && input.dynamic_assumed) {
     estimate_excitation(input, declared, campaign.range_N, kFewestToAsk);
-    if (input.dynamic && !decays_all_the_same(input)) estimate_excitation(input, declared, campaign.range_N, kFewestTurns);
+    if (input.dynamic && !decays_plainly(input)) estimate_excitation(input, declared, campaign.range_N, kFewestTurns);
   }
   if (law_decays && input.dynamic && input.dynamic_assumed) find_late_onset(input, campaign.range_N);
   if (law_decays && input.dynamic) input.F_min_N = lowest_force_of_decay(input);

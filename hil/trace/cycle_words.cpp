@@ -7,6 +7,7 @@
 #include <string>
 
 #include "hil/base/text.h"
+#include "hil/trace/one_of_words.h"
 
 namespace forcegate {
 namespace {
@@ -17,10 +18,6 @@ constexpr std::array<std::string_view, 4> kSince = {"before", "since", "between"
 
 bool is_cycles(const std::string& word) { return word == "cycles" || word == "cycle"; }
 bool is_number(const std::string& word) { return std::isdigit(static_cast<unsigned char>(word.front())) != 0; }
-template <std::size_t n>
-bool is_one_of(const std::string& word, const std::array<std::string_view, n>& words) {
-  return std::ranges::find(words, word) != words.end();
-}
 
 /// Words and whole numbers ("10k" and "2e3" are none, and neither are parts of "0.5"); what parts two sentences is a word of its own.
 std::vector<std::string> words_of(std::string_view text) {

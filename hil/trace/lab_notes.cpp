@@ -7,6 +7,7 @@
 
 #include "hil/base/text.h"
 #include "hil/trace/date_time.h"
+#include "hil/trace/one_of_words.h"
 
 namespace forcegate {
 namespace {
@@ -28,11 +29,6 @@ std::vector<std::string> words_of(std::string_view text) {
     last = kind(c);
   }
   return out;
-}
-
-template <std::size_t n>
-bool is_one_of(const std::string& word, const std::array<std::string_view, n>& words) {
-  return std::ranges::find(words, word) != words.end();
 }
 
 constexpr std::array<std::string_view, 4> kMounting = {"mounting", "mount", "fixture", "fixation"};

@@ -95,18 +95,19 @@ OwnDecay decay_about(double F_min_N, const RecordInput& r, const std::vector<std
   return best;
 }
 
+// Of what the other columns leave; of the swing.
+struct Least {
+  double share, depth;
+};
+constexpr Least kAlone{0.6, 0.03}, kBesideOthers{0.1, 0.005}, kPlain{0.95, 0.03};
+
+bool exceeds(const OwnDecay& own, const Least& least) { return own.mean_square < (1.0 - least.share) * own.static_mean_square && own.depth > least.depth; }
+
 }  // namespace
 
 OwnDecay own_decay(const RecordInput& record, const std::vector<std::size_t>& rows, Rates rates) { return decay_about(record.F_min_N, record, rows, rates); }
 
-bool OwnDecay::is_decay(bool others_decay) const {
-  struct Least {
-    double share, depth;
-  };
-  constexpr Least kAlone{0.6, 0.03}, kBesideOthers{0.1, 0.005};
-  const Least least = others_decay ? kBesideOthers : kAlone;
-  return mean_square < (1.0 - least.share) * static_mean_square && depth > least.depth;
-}
+bool OwnDecay::is_decay(bool others_decay) const { return exceeds(*this, others_decay ? kBesideOthers : kAlone); }
 
 bool some_decay(const std::vector<OwnDecay>& records) {
   return std::ranges::any_of(records, [](const OwnDecay& own) { return own.is_decay(); });
@@ -115,6 +116,8 @@ bool some_decay(const std::vector<OwnDecay>& records) {
 bool decays_by_itself(const RecordInput& record) {
   return own_decay(record, choose_rows(record, kRows)).is_decay();
 }
+
+bool decays_plainly(const RecordInput& record) { return exceeds(own_decay(record, choose_rows(record, kRows)), kPlain); }
 
 double lowest_force_of_decay(const RecordInput& record) {
   constexpr double kClearly = 0.7;  // of the mean square

@@ -31,6 +31,8 @@ OwnDecay own_decay(const RecordInput& record, const std::vector<std::size_t>& ro
 
 /// Whether a decay of the swing, of any rate and depth, explains most of what a straight line leaves of the record.
 bool decays_by_itself(const RecordInput& record);
+/// The same of nearly all that any record without a decay leaves: so plain that few turns are enough.
+bool decays_plainly(const RecordInput& record);
 /// F_min, N, about which the swing of a cyclic record decays: another one that may be meant (RecordInput::other_F_min_N) where the record's own
 /// decay is clearly less by it, what was found otherwise.
 double lowest_force_of_decay(const RecordInput& record);

@@ -56,6 +56,13 @@ TEST(OpensInPlaces, IsClaimedOfOneRecordInWhichItHappensAgainAndAgain) {
   EXPECT_THAT(found->evidence, ::testing::HasSubstr("in opening the force comes to stand at its zero 19 times"));
   EXPECT_LT(found->error_after, 0.2 * found->error_before);
   EXPECT_EQ(found->records_excited, 1);
+  ASSERT_EQ(found->series.size(), 2u);
+  for (const EvidenceSeries& s : found->series) {
+    EXPECT_THAT(s.title, ::testing::EndsWith("in opening"));
+    const double before = *std::ranges::max_element(s.before), after = *std::ranges::max_element(s.after);
+    EXPECT_NEAR(before, 0.3, 0.03) << s.x_name;
+    EXPECT_LT(after, 0.05) << s.x_name;
+  }
 }
 
 TEST(OpensInPlaces, IsNothingWhereTheContactStaysClosed) { EXPECT_FALSE(contact_that_opens(workspace({closed(), closed()}), {}).has_value()); }
