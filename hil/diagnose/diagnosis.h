@@ -220,8 +220,9 @@ struct NextExperiment {
   std::string sentence;
 };
 
-struct Repeatability {  ///< spread between records, estimated from the campaign
-  double gain = 0.0, offset_V = 0.0, log_b = 0.0, log_q = 0.0;
+struct Repeatability {  ///< spread between records, estimated from the campaign (a standard deviation, by n - 1)
+  double gain = 0.0, offset_V = 0.0;
+  double log_b = 0.0, log_q = 0.0;  ///< missing where fewer than two records decay
   double wander_V = 0.0;  ///< of the zero within a record, RMS
 };
 

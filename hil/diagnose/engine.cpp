@@ -27,6 +27,7 @@
 #include "hil/diagnose/answer/verdict.h"
 #include "hil/diagnose/answer/wide_scatter.h"
 #include "hil/diagnose/answer/withdrawals.h"
+#include "hil/diagnose/base/record_spread.h"
 #include "hil/diagnose/base/repeatability.h"
 #include "hil/diagnose/base_errors.h"
 #include "hil/diagnose/base/whole_recording.h"
@@ -234,14 +235,16 @@ void tell_coloured_noise(const Remainder& rest, Diagnosis& out) {
 }
 
 Repeatability repeatability_of(const Workspace& w, const MixedFit& fit) {
-  const auto sd = [&](int k) { return std::sqrt(fit.variance[k]); };
+  const auto sd = [&](int k) { return std::sqrt(fit.variance[k]) * of_few_records(records_of_column(w, fit, k)); };
+  // of a single record that decays, or of none, there is only what specimens usually differ by
+  const auto seen = [&](int k) { return records_of_column(w, fit, k) > 1 ? sd(k) : kMissing; };
   double wander = 0.0, n = 0.0;
   for (std::size_t k = 0; k < fit.zeta.size(); ++k) {
     const double of_record = wander_on_rows(w.output, fit, k);
     wander += of_record * of_record;
     n += of_record > 0.0 ? 1.0 : 0.0;
   }
-  return {sd(0), sd(1) * w.output.scale, sd(2), sd(3), n > 0.0 ? std::sqrt(wander / n) * w.output.scale : 0.0};
+  return {sd(0), sd(1) * w.output.scale, seen(2), seen(3), n > 0.0 ? std::sqrt(wander / n) * w.output.scale : 0.0};
 }
 
 void add_null_scores(const Workspace& w, const Search& search, unsigned threads, Diagnosis& out) {

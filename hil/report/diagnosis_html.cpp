@@ -264,8 +264,8 @@ std::string records(const Diagnosis& d) {
   if (no_input) return out + "</section>\n";
   const Repeatability& s = d.repeatability;
   out += "<p class=\"q\">Spread from record to record: gain " + display(100.0 * s.gain, 2) + " %, offset " +
-         escape(in_unit(s.offset_V, d.unit)) + ", decay rate " + display(100.0 * s.log_b, 2) +
-         " %, decay depth " + display(100.0 * s.log_q, 2) + " %.</p>\n";
+         escape(in_unit(s.offset_V, d.unit)) +
+         (std::isfinite(s.log_b) ? ", decay rate " + display(100.0 * s.log_b, 2) + " %, decay depth " + display(100.0 * s.log_q, 2) + " %" : "") + ".</p>\n";
   return out + "</section>\n";
 }
 

@@ -185,10 +185,10 @@ std::string comparison_text(const ModelComparison& c) {
     out += "  nowhere in particular: no coordinate predicts it on rows that it was not made from\n";
   if (c.as_written.size() == 1) return out;  // what repeats itself takes two
   out +=
-      fmt::format("repeatability between records: gain {:.2g} %, offset {} {}, b {:.2g} %, q {:.2g} %; the zero within a record: {} {} RMS\n",
+      fmt::format("repeatability between records: gain {:.2g} %, offset {} {}{}; the zero within a record: {} {} RMS\n",
                   100.0 * d.repeatability.gain, plain_number(unit.factor * d.repeatability.offset_V), unit.name,
-                  100.0 * d.repeatability.log_b,
-                  100.0 * d.repeatability.log_q, plain_number(unit.factor * d.repeatability.wander_V), unit.name);
+                  std::isfinite(d.repeatability.log_b) ? fmt::format(", b {:.2g} %, q {:.2g} %", 100.0 * d.repeatability.log_b, 100.0 * d.repeatability.log_q) : "",
+                  plain_number(unit.factor * d.repeatability.wander_V), unit.name);
   return out;
 }
 

@@ -363,7 +363,7 @@ LeftOut leave_one_out(const MixedProblem& problem, const MixedFit& fit, const Mi
       for (const Index j : known) pulled[j] = fit.coefficient[j];
       return with_minus(P.llt().solve(pulled));
     };
-    const VectorXd v = told(prior);
+    const VectorXd v = told(plain_prior);
     const double n_eff = problem.records[i].n_eff;
     if (freedom != nullptr) {
       VectorXd own = expand_variance(problem, freedom->variance);
@@ -372,7 +372,7 @@ LeftOut leave_one_out(const MixedProblem& problem, const MixedFit& fit, const Mi
     }
     parts[i].condition(v, conditional);
     out.adapted[i] = conditional.mean_square;
-    out.plain[i] = parts[i].plain(problem.plain_prior_sd.size() > 0 ? told(plain_prior) : v);
+    out.plain[i] = parts[i].plain(v);
   }
   return out;
 }

@@ -62,6 +62,13 @@ class ForwardChoice {
         continue;
       }
       if (why == Refusal::leads && lead.plain() && shift_s(channel_, family) > longest_lead_s()) tell_lead(shift_s(channel_, family));
+      if (why == Refusal::helps_no_records || why == Refusal::helps_no_parts)
+        if (const std::optional<Borne> other = borne_out_in_another_form(family, lead)) {
+          result_.families[place_] = other->family;
+          ChosenEffect borne = other->chosen;
+          if (!take(result_.families[place_], borne)) return;
+          continue;
+        }
       if (may_hide_another(why, chosen))
         if (std::optional<Partner> partner = partner_of(input_, channel_, present_, taken_, result_, family, rules_, threads_)) {
           result_ = std::move(partner->beside);
@@ -138,6 +145,28 @@ class ForwardChoice {
     if (lead.plain() || (leads_ && family.kind->traits.late)) return {Refusal::leads};
     if (only_repairs_smoothing(family) && !lead.loaded) return {Refusal::in_step};
     return objection(channel_, result_, family, chosen, out_.chosen, largest_removed_, rules_);
+  }
+
+  // A family by another of its forms.
+  struct Borne {
+    FamilyScore family;
+    ChosenEffect chosen;
+  };
+
+  // A form of many strengths follows what it is fitted to in more places than it foretells: left-out records may bear out a simpler one that fits less.
+  std::optional<Borne> borne_out_in_another_form(const FamilyScore& family, const Lead& lead) const {
+    if (asks_between_records(family)) return std::nullopt;
+    for (const int variant : family.of_other_forms) {
+      Borne out{family, {}};
+      out.family.best = score_variant(channel_, present_, result_.base, variant, nullptr);
+      out.family.gain += out.family.best.gain - family.best.gain;
+      out.chosen = as_chosen(input_, channel_, result_.base, out.family, rules_);
+      const Objection objection = speaks_against(out.family, out.chosen, lead);
+      if (objection.why != Refusal::none) continue;
+      out.chosen.stands_out = objection.stands_out;
+      return out;
+    }
+    return std::nullopt;
   }
 
   // The first of all, of whose strength the records, or parts of them, say different things.

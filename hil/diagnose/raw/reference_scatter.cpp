@@ -13,7 +13,7 @@ namespace forcegate::diagnose {
 namespace {
 
 struct Window {
-  double scatter_N, moves_N, moves_V;  // standard deviations: of F beside U, its slope and a parabola, of F, of U
+  double scatter_N, moves_N, moves_V;  // standard deviations: of F beside U, its slope and a parabola, of F, of U and what comes of it
   double step_N, largest_step_N;       // RMS from one sample of F to the next; the largest one
   double free_N2, shared_NV;           // beside a parabola: variance of F, covariance of F and U
   std::size_t samples;
@@ -22,7 +22,15 @@ struct Window {
   double mean_V;
 };
 
-// All of them, spread evenly where they are many, or those of the numbers `only`.
+double deviation_of(std::span<const double> x) {
+  double sum = 0.0, square = 0.0;
+  for (const double v : x) sum += v - x[0], square += (v - x[0]) * (v - x[0]);
+  const double n = static_cast<double>(x.size());
+  return std::sqrt(std::max(0.0, square / n - sum / n * (sum / n)));
+}
+
+// All of them, spread evenly where they are many, or those of the numbers `only`. A late output shows a load that begins at the end of a window only
+// after it: whether it stands still is asked of half a window more.
 std::vector<Window> windows_of(std::span<const double> t_s, std::span<const double> F_N, std::span<const double> U_V, double window_s,
                                std::span<const std::size_t> only = {}) {
   constexpr std::size_t kFewestSamples = 24, kMostWindows = 400, kFewestWindows = 8;
@@ -60,7 +68,7 @@ std::vector<Window> windows_of(std::span<const double> t_s, std::span<const doub
     // a missing sample is missing in these sums
     if (!among.allFinite()) return;
     const double samples = static_cast<double>(length), mean_U = with(0, 0) / samples, mean_F = with(0, 2) / samples;
-    const double moves_V = std::sqrt(std::max(0.0, among(0, 0) / samples - mean_U * mean_U));
+    const double moves_V = deviation_of(U_V.subspan(w * length, std::min(length + length / 2, n - w * length)));
     const double moves_N = std::sqrt(std::max(0.0, among(2, 2) / samples - mean_F * mean_F));
     Eigen::Matrix<double, 6, 6> M;
     M << places, with, with.transpose(), among;

@@ -34,6 +34,7 @@ struct Allowance {
 
 std::optional<ShortSpike> spike_of(const std::vector<double>& U, const Allowance& allowance, std::size_t begin, std::size_t length, bool any_course) {
   constexpr double kFalls = 0.75, kBack = 0.15, kClimbed = 0.2;  // of the peak
+  constexpr double kAbove = 2.0, kFilteredAbove = 1.3;            // times what is allowed
   const std::size_t end = begin + length;
   const double before = median_of_three(&U[begin - kAround]), after = median_of_three(&U[end]);
   const double allowed = allowance.between(begin - kAround, end + kAround);
@@ -60,7 +61,8 @@ std::optional<ShortSpike> spike_of(const std::vector<double>& U, const Allowance
   }
   const bool comes_back = std::abs(after - before) < kBack * out.peak_V + allowed && std::abs(U[end] - after) < kBack * out.peak_V + allowed;
   const bool climbed = std::abs(U[begin - 1] - before) > kClimbed * out.peak_V;  // what the samples before it climb to is a peak
-  if (out.peak_V < 2.0 * allowed || (!out.both_ways && !any_course && last > kFalls * out.peak_V) || !comes_back || climbed) return std::nullopt;
+  const bool must_fall = !out.both_ways && !any_course;  // what has the course of a filter's answer may be smaller
+  if (out.peak_V < (must_fall ? kFilteredAbove : kAbove) * allowed || (must_fall && last > kFalls * out.peak_V) || !comes_back || climbed) return std::nullopt;
   return out;
 }
 

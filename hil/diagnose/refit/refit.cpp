@@ -13,6 +13,7 @@
 #include "hil/diagnose/answer/shape_covariance.h"
 #include "hil/diagnose/base/judge.h"
 #include "hil/diagnose/base/own_decay.h"
+#include "hil/diagnose/base/record_spread.h"
 #include "hil/diagnose/base/whole_recording.h"
 #include "hil/diagnose/base_errors.h"
 #include "hil/diagnose/between/foretold.h"
@@ -110,7 +111,7 @@ Result<std::vector<std::string>> effects_to_fit(const Workspace& w, const Model&
 }
 
 void write_law(const Workspace& w, const MixedFit& fit, const ShapeCovariance& joint, const Model& start, Refit& out) {
-  const auto se = [&](int k) { return joint.of_coefficient(k); };
+  const auto se = [&](int k) { return joint.of_coefficient(k) * of_few_records(records_of_column(w, fit, k)); };
   Model& m = out.model;
   m.law = w.law;
   if (none_decays(w.input)) m.law.decays = false;
@@ -128,6 +129,14 @@ void write_law(const Workspace& w, const MixedFit& fit, const ShapeCovariance& j
   if (!m.law.decays) return;
   out.moves.push_back({"b_scale", "1", start.law.b_scale, m.law.b_scale, m.se_b_scale});
   out.moves.push_back({"q_scale", "1", start.law.q_scale, m.law.q_scale, m.se_q_scale});
+}
+
+// 1 / sqrt(2 (n - 1)): GUM, E.4.3.
+void tell_few_records(std::size_t n, std::vector<std::string>& notes) {
+  constexpr std::size_t kFew = 3;
+  if (n < 2 || n > kFew) return;
+  notes.push_back(fmt::format("the uncertainties of gain and offset rest on {} records, and what scatters between so few is known to {:.0f} %", n,
+                              100.0 / std::sqrt(2.0 * static_cast<double>(n - 1))));
 }
 
 void write_user_effect(const Workspace& w, const MixedFit& fit, const ShapeCovariance& joint, int variant, const Candidate& c, const std::vector<UserEffect>& before, UserEffect& own,
@@ -244,6 +253,7 @@ Result<Fitted> refit_at(Workspace& w, const Model& start, const Model& at, const
   out.model.user_effects = at.user_effects;
   out.model.frame = frame_of(w.input);
   write_law(w, now, joint, start, out);
+  tell_few_records(records_of_column(w, now, 0), out.notes);
   write_effects(w, fitted, joint, start, out);
   measure(w, fitted, !add.empty(), made);
   out.model.history.push_back(step_of(out, add, w.input.name));

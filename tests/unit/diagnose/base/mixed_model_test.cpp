@@ -219,5 +219,40 @@ TEST(LeaveOneOut, AFastRecordIsNotBlamedForALagThatTheSlowOnesCannotTell) {
   EXPECT_LT(error_of_fast(true), 0.03);
 }
 
+// What a swing loses beside the gain, only the third record tells: in the others a course that the law does not have looks like it.
+TEST(MixedModel, ARecordThatIsLeftOutIsForetoldByASwingOfTheSizeThatAllRecordsTell) {
+  MixedProblem p;
+  p.nz = p.n_fixed = 3;
+  p.component_of_z = {0, 1, 2};
+  p.components = {{"gain", 1e-4, 1e-4, 50.0}, {"offset", 1e-4, 1e-4, 50.0}, {"swing", 1e-4, 1e-4, 50.0}};
+  p.fixed_prior_sd = Eigen::Vector3d(10.0, 10.0, 0.3);
+  p.column_prior_sd.resize(0);
+  Rng rng(13, "swing");
+  constexpr int kRows = 600;
+  for (int k = 0; k < 3; ++k) {
+    const bool decays = k != 1;
+    Eigen::MatrixXd A(kRows, 4);
+    for (int i = 0; i < kRows; ++i) {
+      const double course = std::exp(-i / 100.0);
+      A(i, 0) = 0.6 + 0.5 * std::sin(0.05 * i + k);
+      A(i, 1) = 1.0;
+      A(i, 2) = decays ? A(i, 0) - 0.1 + 0.004 * course : 0.0;
+      A(i, 3) = A(i, 0) + (decays ? 8e-4 * course : 0.0) + 1e-4 * rng.normal();
+    }
+    RecordGram g;
+    g.gram = (A.transpose() * A) / kRows;
+    g.n_eff = 100.0;
+    g.noise_variance = 1e-8;
+    p.records.push_back(g);
+  }
+  const MixedFit fit = fit_mixed(p, {}, nullptr, 30, RecordUse::all_records);
+  ASSERT_TRUE(fit.valid);
+  EXPECT_NEAR(fit.coefficient[2], 0.0, 0.01);
+  const auto error_of_third = [&] { return std::sqrt(leave_one_out(p, fit, &fit).adapted[1]); };
+  EXPECT_GT(error_of_third(), 0.004) << "of any size";
+  p.plain_prior_sd = Eigen::Vector3d(10.0, 10.0, 0.01);
+  EXPECT_LT(error_of_third(), 0.002);
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose

@@ -54,6 +54,22 @@ TEST(ReferenceScatter, SaysNothingOfAFastSineWhereALateReferenceWouldScatter) {
   EXPECT_EQ(scatter(m), 0.0);
 }
 
+// A pad that answers within 70 ms, hit every 2 s, just before a window of half a second ends.
+TEST(ReferenceScatter, ALoadThatTheOutputHasNotSeenYetIsNoNoise) {
+  Made m;
+  Rng rng(54, "pad");
+  double answer = 1.0;
+  for (int i = 0; i < 12000; ++i) {
+    const double t = i / 500.0, since = std::fmod(t, 2.0) - 0.485;
+    const double level = 1.0 + 0.7 * (static_cast<int>(t / 2.0) % 2), force = std::lerp(level, 2.7 - level, std::clamp(since / 0.03, 0.0, 1.0));
+    answer += (force - answer) * -std::expm1(-1.0 / (500.0 * 0.07));
+    m.t.push_back(t);
+    m.F.push_back(force + 0.005 * rng.normal());
+    m.U.push_back(2.0 * answer + 0.002 * rng.normal());
+  }
+  EXPECT_NEAR(reference_scatter(m.t, m.F, m.U, {.range_V = 4.0, .gain_V_per_N = 2.0}).still_N, 0.005, 0.001);
+}
+
 TEST(ReferenceScatter, GivesNothingForAFewSamples) {
   Made m = make(0.03, 0.0, 0.0);
   m.t.resize(100);

@@ -33,6 +33,21 @@ TEST(Spikes, ASpikeMayHaveATailOfAFewSamples) {
   for (const HealthClaim& claim : claims_of_samples(with_tailed_spikes(0.9))) EXPECT_NE(claim.effect, "outliers") << "a film that slips and creeps back is no spike";
 }
 
+// A discharge behind a filter that forgets half of it within a sample: 3 % of the span, eight in a record.
+TEST(Spikes, OnesWithTheCourseOfAFilterMayBeSmall) {
+  Campaign c = make_campaign(50, straight);
+  for (Record& r : c.records) {
+    auto& U = r.trace.find("U")->value;
+    for (std::size_t n = 0; n < 8; ++n) {
+      double spike = n % 3 == 0 ? -0.22 : 0.25;
+      for (std::size_t k = 1200 + 2710 * n; std::abs(spike) > 1e-3; ++k, spike *= 0.55) U[k] = std::clamp(U[k] + spike, 0.0, 10.0);
+    }
+  }
+  const std::vector<HealthClaim> claims = claims_of_samples(c);
+  ASSERT_EQ(claims.size(), 1u);
+  EXPECT_EQ(claims[0].effect, "outliers");
+}
+
 // A cable that rings at 23 Hz behind each step of a load: half a turn is four samples.
 TEST(Spikes, WhatRingsBehindAnEdgeThrowsNothing) {
   Campaign c = make_campaign(51, straight);
