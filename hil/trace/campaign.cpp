@@ -17,6 +17,7 @@
 #include "hil/trace/long_pauses.h"
 #include "hil/trace/plausible_sizes.h"
 #include "hil/trace/recording_files.h"
+#include "hil/trace/said_in_words.h"
 #include "hil/trace/sensor_name.h"
 
 namespace forcegate {
@@ -195,6 +196,15 @@ Result<void> add_folder(const fs::path& folder, const CampaignOptions& options, 
   return {};
 }
 
+// Of records that campaign.json does not list it may tell something all the same, a number for each.
+void take_lists(const CampaignMembers& members, Campaign& campaign) {
+  std::vector<DescribedRecord> described;
+  for (Record& record : campaign.records) described.emplace_back().facts = std::move(record);
+  take_lists(members, described);
+  take_words(described, campaign.notes);
+  for (std::size_t k = 0; k < described.size(); ++k) campaign.records[k] = std::move(described[k].facts);
+}
+
 Result<Campaign> read_described(const fs::path& file, const CampaignOptions& options) {
   FORCEGATE_TRY(CampaignDescription description, read_description(file));
   Campaign campaign;
@@ -206,6 +216,7 @@ Result<Campaign> read_described(const fs::path& file, const CampaignOptions& opt
   if (!description.records) {
     campaign.notes.push_back("campaign.json lists no records; those of the folder are taken in the order of their names");
     FORCEGATE_CHECK_OK(add_folder(campaign.folder, options, campaign));
+    take_lists(description.members, campaign);
     return campaign;
   }
   std::vector<Reading> readings;

@@ -341,6 +341,7 @@ Result<CampaignDescription> read_description(const fs::path& file) {
     note_mistyped(*bench, kBenchKeys, out.notes);
   }
   note_mistyped(json, kCampaignKeys, out.notes);
+  out.members = members_of(json);
   const auto records = json.find("records");
   if (records == json.end() || records->is_null()) return out;
   if (!records->is_array() || records->empty())
@@ -353,14 +354,7 @@ Result<CampaignDescription> read_description(const fs::path& file) {
     out.records->push_back(std::move(record));
   }
   note_cut_short(json, out.records->size(), out.notes);
-  const CampaignMembers members = members_of(json);
-  const std::vector<AirNotes> of_runs = air_of_runs(members, out.records->size());
-  for (std::size_t i = 0; i < of_runs.size(); ++i) fill_in((*out.records)[i].air, of_runs[i]);
-  for (const auto& [key, text] : members.texts) {
-    const std::vector<double> cycles = cycles_of_runs(key + " " + text, out.records->size());
-    for (std::size_t i = 0; i < cycles.size(); ++i)
-      if (!(*out.records)[i].cycles_before) (*out.records)[i].cycles_before = cycles[i];
-  }
+  take_lists(out.members, *out.records);
   take_words(*out.records, out.notes);
   return out;
 }

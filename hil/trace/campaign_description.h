@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "hil/trace/air_lists.h"
 #include "hil/trace/air_notes.h"
 #include "hil/trace/campaign.h"
 #include "hil/trace/lab_notes.h"
@@ -26,6 +27,7 @@ struct CampaignDescription {
   BenchFacts bench;
   std::vector<std::string> notes;                       ///< keys that look mistyped
   std::optional<std::vector<DescribedRecord>> records;  ///< nothing when campaign.json lists none
+  CampaignMembers members;                              ///< what it says of all records at once
 };
 
 /// Errors name file, line and column. io: the file cannot be opened; parse: no JSON, a value of the wrong type, or one that no instrument

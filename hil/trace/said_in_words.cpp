@@ -29,6 +29,26 @@ std::vector<DescribedRecord*> in_order_of_time(std::vector<DescribedRecord>& rec
   return out;
 }
 
+// A record that says nothing goes on in the mounting before it. What lies before the first name is of that name too, unless the sensor was mounted
+// anew there.
+void number_from_words(const std::vector<DescribedRecord*>& in_order) {
+  const bool named = std::ranges::any_of(in_order, [](const DescribedRecord* r) { return !r->notes.mounting.empty(); });
+  const std::string unnamed = named ? "unnamed " : "", first = unnamed + "1";
+  std::string now = first;
+  int number = 1;
+  for (std::size_t k = 0; k < in_order.size(); ++k) {
+    const LabNotes& said = in_order[k]->notes;
+    if (!said.mounting.empty()) {
+      if (now == first && !said.remounted)
+        for (std::size_t before = 0; before < k; ++before) in_order[before]->facts.mounting = said.mounting;
+      now = said.mounting;
+    } else if (said.remounted && k > 0) {
+      now = unnamed + std::to_string(++number);
+    }
+    in_order[k]->facts.mounting = now;
+  }
+}
+
 // What is said of mountings in words, where no record has the key: names of theirs, or from which record on the sensor was mounted anew.
 void take_mountings(std::vector<DescribedRecord>& records, std::vector<std::string>& notes) {
   bool some_named = false, some_anew = false;
@@ -38,11 +58,10 @@ void take_mountings(std::vector<DescribedRecord>& records, std::vector<std::stri
     some_anew |= r.notes.remounted;
   }
   if (!some_named && !some_anew) return;
-  const std::vector<DescribedRecord*> in_order = in_order_of_time(records);
-  int number = 1;
-  for (DescribedRecord* r : in_order) {
-    if (r != in_order.front() && r->notes.remounted) ++number;
-    r->facts.mounting = some_named ? r->notes.mounting : std::to_string(number);
+  if (some_anew) {
+    number_from_words(in_order_of_time(records));
+  } else {
+    for (DescribedRecord& r : records) r.facts.mounting = r.notes.mounting;
   }
   notes.emplace_back("mountings are taken from what campaign.json says of the records in words");
 }
@@ -84,6 +103,16 @@ void take_cycles(std::vector<DescribedRecord>& records, std::vector<std::string>
 }
 
 }  // namespace
+
+void take_lists(const CampaignMembers& members, std::vector<DescribedRecord>& records) {
+  const std::vector<AirNotes> air = air_of_runs(members, records.size());
+  for (std::size_t i = 0; i < air.size(); ++i) fill_in(records[i].air, air[i]);
+  for (const auto& [key, text] : members.texts) {
+    const std::vector<double> cycles = cycles_of_runs(key + " " + text, records.size());
+    for (std::size_t i = 0; i < cycles.size(); ++i)
+      if (!records[i].cycles_before) records[i].cycles_before = cycles[i];
+  }
+}
 
 void take_words(std::vector<DescribedRecord>& records, std::vector<std::string>& notes) {
   take_stamps(records, notes);

@@ -8,6 +8,9 @@
 
 namespace forcegate {
 
+/// Puts what is said of all records at once, a number for each, where a record has no words of its own.
+void take_lists(const CampaignMembers& members, std::vector<DescribedRecord>& records);
+
 /// Puts what is said in words (DescribedRecord::notes, air) where a record lacks the fact, with a note for each kind: stamps where every record has one,
 /// mountings and cycles where no record has the key. A running count of cycles becomes what each record adds to it, noted.
 void take_words(std::vector<DescribedRecord>& records, std::vector<std::string>& notes);

@@ -66,7 +66,11 @@ class LabNotesOfACampaign : public ::testing::Test {
 
 TEST_F(LabNotesOfACampaign, CountMountingsFromTheRecordThatSaysSo) {
   EXPECT_EQ(mountings(read({"", "", R"("note": "remounted")", ""})), (std::vector<std::string>{"1", "1", "2", "2"}));
-  EXPECT_EQ(mountings(read({R"("note": "mounting 1")", "", R"("note": "remounted, mounting 2")"})), (std::vector<std::string>{"1", "", "2"}));
+  EXPECT_EQ(mountings(read({R"("note": "mounting 1")", "", R"("note": "remounted, mounting 2")"})), (std::vector<std::string>{"1", "1", "2"}));
+  EXPECT_EQ(mountings(read({R"("note": "mounting 1")", "", R"("note": "mounting 2")"})), (std::vector<std::string>{"1", "", "2"})) << "which of the two, nobody said";
+  EXPECT_EQ(mountings(read({"", "", R"("note": "remounted, mounting 2")", "", R"("note": "remounted")"})),
+            (std::vector<std::string>{"unnamed 1", "unnamed 1", "2", "2", "unnamed 2"}));
+  EXPECT_EQ(mountings(read({"", R"("note": "mounting 2")", R"("note": "remounted")"})), (std::vector<std::string>{"2", "2", "unnamed 2"}));
   EXPECT_EQ(mountings(read({R"("mounting": "a")", R"("note": "remounted")"})), (std::vector<std::string>{"a", ""})) << "the key comes first";
   EXPECT_EQ(mountings(read({"", R"("note": "dry air")"})), (std::vector<std::string>{"", ""}));
 }

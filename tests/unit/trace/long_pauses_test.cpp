@@ -98,5 +98,17 @@ TEST_F(LongPauses, AFileThatIsListedStaysWhatItIs) {
   EXPECT_EQ(campaign->records.size(), 1u);
 }
 
+TEST_F(LongPauses, WhatTheCampaignSaysOfItsRunsIsOfThePartsInTheirOrder) {
+  put("log.csv", rows({1.0, 1.5, 2.0, 0.7}, 600.0));
+  put("campaign.json", R"({"room_temp_degC": [41.3, 33.0, 22.2, 36.2], "note": "RH % per run: 47 56 54 51"})");
+  const auto campaign = read_campaign(folder_);
+  ASSERT_TRUE(campaign) << campaign.error().to_text();
+  ASSERT_EQ(campaign->records.size(), 4u);
+  EXPECT_EQ(campaign->records[0].temp_C, 41.3);
+  EXPECT_EQ(campaign->records[3].temp_C, 36.2);
+  EXPECT_EQ(campaign->records[1].humidity_pct, 56.0);
+  EXPECT_THAT(campaign->notes, Contains(HasSubstr("the temperature of 4 records is taken from what campaign.json says")));
+}
+
 }  // namespace
 }  // namespace forcegate
