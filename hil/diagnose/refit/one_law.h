@@ -35,7 +35,7 @@ struct OneLawFit {
 /// Whether a model can be used, for instance inverted; empty: every one. Asked from the best form on, until one can.
 using IsUsable = std::function<bool(const Model&)>;
 
-/// Uncertainties in the model are those of the jackknife over records. Where no form of an effect is usable, the best one is taken.
+/// Uncertainties in the model, of b and q too, are those of the jackknife over records. Where no form of an effect is usable, the best one is taken.
 /// The rows are those that refit_campaign judges by: without spikes, lost and held samples, rails and hum.
 /// Errors (config): fewer than 3 records that can be used, an effect that these records do not excite or whose channels are missing, the
 /// effects do not lower the error of records left out; (parse): most of the output is not above 0, no usable rows.

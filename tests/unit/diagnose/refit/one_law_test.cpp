@@ -78,6 +78,42 @@ TEST(OneLaw, ADecayThatNoRecordShowsIsNotInIt) {
   EXPECT_LT(fit->left_out_V, 0.004);
 }
 
+// Eight records whose decay rates scatter by 10 %: what is known of the mean is what the others would make of it, not what the start said.
+TEST(OneLaw, TheDecayIsAsUncertainAsTheRecordsDiffer) {
+  constexpr int kRecords = 8;
+  constexpr double kScatter = 0.1, kScale = 0.8;
+  Rng rng(85, "rates");
+  std::vector<double> log_b;
+  Campaign c;
+  for (int k = 0; k < kRecords; ++k) {
+    const double f_Hz = 0.5 + 0.25 * k;
+    log_b.push_back(kScatter * rng.normal());
+    const double b = kScale * std::exp(log_b.back()) * (0.0019 * f_Hz + 0.0056), q = 1.0 / (1.0 + 1.377 * 1.5 * 1.5);
+    Campaign one = recording(50.0, 30000, [&](double t) { return 1.7 - 1.5 * std::cos(2.0 * 3.14159265358979 * f_Hz * t); },
+                             [&](const std::vector<double>& t, const std::vector<double>& F) {
+                               std::vector<double> U;
+                               for (std::size_t i = 0; i < F.size(); ++i) U.push_back(2.0 * (0.2 + (std::exp(-b * t[i]) + q) / (1.0 + q) * (F[i] - 0.2)) + 0.2);
+                               return U;
+                             }, 0.003);
+    one.records.front().name += std::to_string(k);
+    one.records.front().dynamic = true;
+    one.records.front().excitation_start_s = 0.0;
+    c.records.push_back(std::move(one.records.front()));
+  }
+  double mean = 0.0, square = 0.0;
+  for (const double x : log_b) mean += x / kRecords;
+  for (const double x : log_b) square += (x - mean) * (x - mean) / (kRecords - 1);
+  Model start = *library_model("flexiforce");
+  start.se_b_scale = 7.0;
+  const auto fit = fit_one_law(std::move(c), start);
+  ASSERT_TRUE(fit) << fit.error().to_text();
+  ASSERT_TRUE(fit->model.law.decays);
+  const double expected = std::sqrt(square / kRecords);
+  EXPECT_NEAR(std::log(fit->model.law.b_scale / kScale), mean, 2.0 * expected);
+  EXPECT_NEAR(fit->model.se_b_scale / fit->model.law.b_scale, expected, 0.6 * expected);
+  EXPECT_LT(fit->model.se_q_scale / fit->model.law.q_scale, 0.1);
+}
+
 // Opens over 0.4 N, as a refit may write it: in two forms beside each other.
 std::vector<double> opening(const std::vector<double>&, const std::vector<double>& F, int) {
   std::vector<double> U;
