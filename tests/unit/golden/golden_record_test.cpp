@@ -180,7 +180,8 @@ TEST(GoldenRecord, a_damaged_file_is_refused_with_its_line) {
 }
 
 TEST(GoldenRecord, a_damaged_line_of_its_head_never_leaves_a_comparison_out) {
-  const std::string text = to_text(golden());
+  std::string text = to_text(golden());
+  text.erase(text.find("digest "), std::string("digest ").size() + 65);  // as older versions wrote it: the line alone is damaged
   const auto with = [&](const std::string& line, const std::string& instead) {
     std::string other = text;
     const std::size_t at = other.find(line + "\n");

@@ -149,7 +149,9 @@ TEST(SelfCheck, tells_of_a_reference_that_stands_still_at_zero_that_the_contact_
       if (t_s > 15.0 && t_s < 17.0) b.force_ref_N[row] = at_zero ? 0.0f : 1.25f;
     };
     for (const Check& c : checks_of(rig))
-      if (c.id == "rig_reference_alive") EXPECT_EQ(c.evidence.find("where the contact opens") != std::string::npos, at_zero) << c.evidence;
+      if (c.id == "rig_reference_alive") {
+        EXPECT_EQ(c.evidence.find("where the contact opens") != std::string::npos, at_zero) << c.evidence;
+      }
   }
 }
 
