@@ -6,8 +6,10 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <set>
 
+#include "golden/compare/golden_digest.h"
 #include "hil/base/read_number.h"
 #include "hil/base/text.h"
 
@@ -185,6 +187,7 @@ std::string to_text(const GoldenRecord& g) {
       "algorithm {}\n",
       g.plan, g.case_name, g.specimen, g.seed, g.rig, g.algorithm);
   for (const auto& [key, value] : g.provenance) out += fmt::format("{} {}\n", key, value);
+  const std::size_t digest_at = out.size();
   out += tolerance_line("ati", g.ati) + tolerance_line("firmware", g.firmware);
   const std::size_t all = g.extrema_in_all == 0 ? g.content.extrema.size() : g.extrema_in_all;
   const bool whole = g.extrema_in_all == 0;
@@ -201,7 +204,7 @@ std::string to_text(const GoldenRecord& g) {
     for (std::size_t i = 0; i < w.ati_N.size(); ++i)
       out += fmt::format("{:.4f} {:.4f}\n", w.ati_N[i], w.dut_N[i]);
   }
-  return out;
+  return out.insert(digest_at, "digest " + golden_digest(out) + "\n");
 }
 
 Result<GoldenRecord> parse_golden_record(std::string_view text, const std::string& name) {
@@ -211,6 +214,7 @@ Result<GoldenRecord> parse_golden_record(std::string_view text, const std::strin
   r.next();
   GoldenRecord golden;
   std::set<std::string> seen;
+  std::optional<Unexpected> damaged;  // told last: a line that is wrong by itself is told as that
   while (r.more()) {
     const auto& w = r.words();
     if (w[0] == "window") {
@@ -234,6 +238,8 @@ Result<GoldenRecord> parse_golden_record(std::string_view text, const std::strin
         return r.bad("extrema wants their number and a step");
     } else if (w[0] == "tolerance") {
       if (!read_tolerance(w, golden)) return r.bad("a tolerance line is malformed");
+    } else if (w[0] == "digest") {
+      if (w[1] != golden_digest(text)) damaged = r.bad("the golden is damaged: apart from its tolerances its lines are not those that were blessed");
     } else {
       FORCEGATE_CHECK_OK(read_origin(r, golden));
     }
@@ -247,6 +253,7 @@ Result<GoldenRecord> parse_golden_record(std::string_view text, const std::strin
   if (golden.content.extrema.size() != expected)
     return r.bad(
         fmt::format("the golden holds {} extrema instead of {}", golden.content.extrema.size(), expected));
+  if (damaged) return *damaged;
   return golden;
 }
 

@@ -8,6 +8,7 @@
 //   specimen q50
 //   seed 7
 //   ... (provenance, one line each)
+//   digest 5f2c...                   of every line but the tolerances; goldens of older versions have none
 //   tolerance ati absolute 0.08 relative 0 scale 0 time_s 0.01 lag_limit_s 0.01
 //   tolerance firmware absolute 0.05 relative 0.01 scale 0 time_s 0.01 lag_limit_s 0.02
 //   extrema 1196 every 30
@@ -54,7 +55,8 @@ struct GoldenRecord {
 
 /// At most 40 extrema of each kind are kept. Equal goldens give equal bytes.
 std::string to_text(const GoldenRecord& golden);
-/// Errors (parse) name the line: one that is missing, unknown, given twice or without its value is damage and never passed over.
+/// Errors (parse) name the line: one that is missing, unknown, given twice or without its value is damage and never passed over,
+/// as is any that is not as its digest says.
 Result<GoldenRecord> parse_golden_record(std::string_view text, const std::string& name);
 
 /// One extremum or sample of a window.

@@ -94,8 +94,9 @@ Result<void> read_limit(const ConfigNode& node, StudyPlan& plan) {
   const bool low = r.number("minimum", limit.minimum, -1e9, 1e9),
              high = r.number("maximum", limit.maximum, -1e9, 1e9);
   r.text("source", limit.source, ConfigReader::required);
-  if (r.good() && !low && !high) r.complain(node, "a limit needs minimum or maximum");
   FORCEGATE_CHECK_OK(r.finish());
+  if (!low && !high)
+    return fail(ErrorCode::config, "a limit needs minimum or maximum", node.where, "add one, in the unit of its key '" + printable_utf8(limit.key) + "', or take the limit out");
   if (const ConfigNode* key = node.find("key"); key != nullptr) limit.where = key->where;
   plan.limits.push_back(std::move(limit));
   return {};

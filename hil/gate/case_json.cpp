@@ -279,6 +279,8 @@ template <class T>
 constexpr std::size_t kStaysBehind = 0;
 template <>
 constexpr std::size_t kStaysBehind<Plan> = 1;  // the path, of the machine that read it
+template <>
+constexpr std::size_t kStaysBehind<PlanLimits> = 1;  // the position in that file
 
 template <class T>
 Json put(const T& value) {

@@ -69,6 +69,7 @@ struct PlanCalibration {
 
 struct PlanLimits {
   std::string derived;          ///< path of the limits file, relative to the plan; "" = none
+  std::string derived_where;    ///< position of that line in the file
   std::string goldens;          ///< folder of the golden traces, relative to the plan; "" = none
   double learning_s = 20.0;     ///< longest start window
   double lag_s = 0.05;          ///< |lag| of the firmware behind the ATI

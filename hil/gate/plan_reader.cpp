@@ -186,6 +186,7 @@ Result<PlanCase> read_case(const ConfigNode& node, const Plan& plan) {
   }
   r.text("limit_source", c.limit_source);
   const ConfigNode* stimulus = r.table("stimulus", ConfigReader::required);
+  FORCEGATE_CHECK_OK(r.finish());  // a misspelt key explains one that is missing
   if (r.good() && (c.maxima_pct || c.minima_pct) && c.limit_source.empty())
     r.complain(node, fmt::format("case '{}' gives a limit without saying whose it is", c.name),
                "add limit_source = \"Lebosse 2011, IV-B2\" or \"ours: reason\"");
@@ -269,7 +270,7 @@ Result<void> read_safety(const ConfigNode& node, SafetyLimits& s) {
 Result<void> read_limits(const ConfigNode& node, PlanLimits& l) {
   ConfigReader r(node, "[limits]");
   r.text("goldens", l.goldens);
-  r.text("derived", l.derived);
+  if (r.text("derived", l.derived)) l.derived_where = node.find("derived")->where;
   r.number("learning_s", l.learning_s, 0.0, kDay_s);
   if (r.number("lag_s", l.lag_s, 0.0, 60.0) && l.lag_s == 0.0)
     r.complain(*node.find("lag_s"), "lag_s = 0 passes no firmware: every distance in time has an uncertainty", "give the longest one, in s (0.05 where nothing is said)");

@@ -129,7 +129,8 @@ class SelfCheck {
            wheel && o_.reference_stale_s > limits_.stale_share * n_ / info_.rate_Hz ? kInf : o_.reference_frozen_s,
            "s", limits_.frozen_s, Blame::reference,
            fmt::format("the ATI reading did not change for {:.2f} s of motion, {:.2f} s in all",
-                       o_.reference_frozen_s, o_.reference_stale_s)});
+                       o_.reference_frozen_s, o_.reference_stale_s) +
+               (o_.reference_stale_s > 0.0 && std::fabs(o_.reference_min_N) <= 3.0 * declared_N ? "; it came down to 0 N: where the contact opens, a sound ATI stands still there" : "")});
   }
 
   /// Of the details; 0 where the rig tells none.

@@ -148,6 +148,15 @@ Result<BenchFacts> bench_of(const Json& object, const Source& source) {
 
 std::string text_of(const Json& value) { return value.is_string() ? value.get<std::string>() : value.dump(); }
 
+/// Of a short word one letter may be missing, too many or in another's place; another letter makes another word ("rule", "role"), and a
+/// symbol with its unit ("x_N") is as near to one as to the next.
+bool is_slip_of(const std::string& key, const std::string& known) {
+  constexpr std::size_t kShortest = 3, kShort = 5;
+  if (key.size() >= kShort) return true;
+  if (key.size() < kShortest || key.find('_') != std::string::npos) return false;
+  return key.size() != known.size() || std::ranges::is_permutation(key, known);
+}
+
 /// A lab may write down what it likes; a key that nearly is a known one, and stands in its place, is a slip.
 void note_mistyped(const Json& object, std::span<const std::string> known, std::vector<std::string>& notes) {
   for (const auto& [key, value] : object.items()) {
@@ -155,8 +164,8 @@ void note_mistyped(const Json& object, std::span<const std::string> known, std::
     std::string meant;
     for (const std::string& name : known)
       if (ascii_lower(key) == ascii_lower(name) || (meant.empty() && value.is_number() && key.size() > 1 && name.starts_with(key + "_"))) meant = name;
-    constexpr std::size_t kShort = 5;  // "x_N" is as near to "A_N" as to "m_N"
-    if (meant.empty() && key.size() >= kShort) meant = nearest_name(key, known);
+    if (meant.empty())
+      if (const std::string near = nearest_name(key, known); !near.empty() && is_slip_of(key, near)) meant = near;
     if (meant.empty() || object.contains(meant)) continue;
     const AirNotes air = value.is_number() ? air_notes({{key, value.get<double>()}}) : AirNotes{};
     if (air.temp_C || air.humidity_pct || air.drive_V) continue;

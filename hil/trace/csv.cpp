@@ -79,7 +79,7 @@ Result<void> check_text_columns(const CsvTable& table, const std::string& where,
     if (!meaning.is_clock && known != "F_ref" && known != "U") continue;
     return fail(ErrorCode::parse, "column \"" + column.header + "\" holds \"" + column.cell + "\", which is no number",
                 where + ":" + std::to_string(column.line) + ":" + std::to_string(column.position),
-                meaning.is_clock && !column.hint.starts_with("the decimals") && !column.hint.starts_with(kWhichIsTheMonth) && !column.hint.starts_with(kNoSuchTime) ? hint_for_clock(column.cell) : column.hint);
+                meaning.is_clock && !column.hint.starts_with("the decimals") && !column.hint.starts_with(kWhichIsTheMonth) && !column.hint.starts_with(kNoSuchTime) && !column.hint.starts_with(kTypographicMinus) ? hint_for_clock(column.cell) : column.hint);
   }
   return {};
 }

@@ -103,7 +103,7 @@ std::string in_quotes(std::string_view text) {
 std::string hint_for_cell(std::string_view cell, char point, bool is_settled) {
   cell = unquoted(cell);
   if (cell.find('\0') != std::string_view::npos) return "bytes of zero are no text: the file was cut or damaged there; take the line out, or export the file anew";
-  if (cell.find("\xE2\x88\x92") != std::string_view::npos) return "its minus sign is the typographical one (U+2212): replace it by - throughout the file";
+  if (cell.find("\xE2\x88\x92") != std::string_view::npos) return std::string(kTypographicMinus) + " (U+2212): replace it by - throughout the file";
   if (const auto date = date_of_slashes(cell)) return hint_for_date_of_slashes(*date, cell.substr(0, cell.find_first_of(" ,T")));
   if (has_form_of_stamp(cell) && !seconds_of_stamp(cell))
     return std::string(kNoSuchTime) + ": hours end at 23, minutes at 59, seconds at 60 and days with their month; midnight is 00:00:00 of the next day";

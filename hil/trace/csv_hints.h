@@ -7,8 +7,8 @@
 
 namespace forcegate {
 
-/// How the hint for a date begins that may be of two days, and that for a stamp of a time that does not exist.
-inline constexpr std::string_view kWhichIsTheMonth = "which number is the month", kNoSuchTime = "there is no such time";
+/// How the hint for a date begins that may be of two days, that for a stamp of a time that does not exist, and that for a minus of typesetters.
+inline constexpr std::string_view kWhichIsTheMonth = "which number is the month", kNoSuchTime = "there is no such time", kTypographicMinus = "its minus sign is the typographical one";
 
 /// The first 40 bytes, printable and in quotes.
 std::string in_quotes(std::string_view text);

@@ -194,7 +194,7 @@ Result<void> CsvParser::slow_row(std::string_view line, bool cut_short) {
     }
     if (kind == CsvCell::text)
       return error(in_quotes(unquoted(cells_[c])) + " in column " + in_quotes(table_.columns[c].header) + " is not a number", position,
-                   seen_data_ && std::ranges::all_of(cells_, is_word) ? kNoRow : hint_for_cell(cells_[c], point_, point_settled_));
+                   seen_data_ && is_word(cells_[0]) && std::ranges::count_if(cells_, is_word) >= std::min<std::ptrdiff_t>(2, std::ssize(cells_)) ? kNoRow : hint_for_cell(cells_[c], point_, point_settled_));
     ++table_.columns[c].missing;
   }
   if (all_text && !seen_data_)

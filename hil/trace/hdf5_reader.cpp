@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <array>
+#include <fstream>
 #include <optional>
 
 #include "hil/base/text.h"
@@ -211,6 +213,17 @@ class Reader {
   std::vector<Ordered> found_;
 };
 
+// By its first bytes, as it is named.
+std::string help_for_no_hdf5(const std::filesystem::path& path) {
+  std::array<char, 512> head{};
+  std::ifstream in(path, std::ios::binary);
+  in.read(head.data(), head.size());
+  const std::string_view begin(head.data(), static_cast<std::size_t>(std::max<std::streamsize>(in.gcount(), 0)));
+  if (begin.starts_with("MATLAB 5.0")) return "it is a MATLAB file: give it the ending .mat";
+  const bool is_text = !begin.empty() && std::ranges::none_of(begin, [](char c) { return static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\r' && c != '\t'; });
+  return is_text ? "it is text: give it the ending .csv" : "was it cut short while being copied?";
+}
+
 }  // namespace
 
 Result<TraceFile> read_hdf5(const std::filesystem::path& path) {
@@ -219,8 +232,7 @@ Result<TraceFile> read_hdf5(const std::filesystem::path& path) {
   if (!std::filesystem::exists(path, failed))
     return fail(ErrorCode::io, "there is no such file", path.string(), "check the name");
   if (H5Fis_hdf5(path.c_str()) <= 0)
-    return fail(ErrorCode::parse, "this is not an HDF5 file", path.string(),
-                "was it cut short while being copied?");
+    return fail(ErrorCode::parse, "this is not an HDF5 file", path.string(), help_for_no_hdf5(path));
   Hdf5Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   if (!file.good())
     return fail(ErrorCode::parse, "the HDF5 file cannot be opened", path.string(),

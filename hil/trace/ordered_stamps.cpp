@@ -1,5 +1,7 @@
 #include "hil/trace/ordered_stamps.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -63,7 +65,8 @@ std::optional<std::vector<double>> spread_bursts(const std::vector<double>& orde
   for (std::size_t i = 1; i < stamps->size(); ++i) bursts += (*stamps)[i] != (*stamps)[i - 1];
   notes.push_back("the rows were stamped in bursts of " + std::to_string((stamps->size() + bursts / 2) / bursts) +
                   ", when they were read and not when they were sampled, for their values run on from one burst to the next: "
-                  "their instants are spread evenly between the bursts");
+                  "their instants are spread evenly between the bursts, the first one " + fmt::format("{:.3g}", ordered_s.front() - spread->front()) +
+                  " s before its stamp (a logger that cuts off fractions of a second is that early beside another clock)");
   return spread;
 }
 

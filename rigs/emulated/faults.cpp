@@ -24,7 +24,7 @@ const std::vector<FaultKind>& fault_kinds() {
        [](Faults& f, double m) { f.clock_jump_s = m; }},
       {"clock_skew", "relative error of the time stamps", -0.5, 0.5,
        [](Faults& f, double m) { f.clock_skew = m; }},
-      {"head_motion", "scale of the motion of a patient's head against the coil", 0, 3,
+      {"head_motion", "motion of a patient's head against the coil; 1: 1 mm of breathing, leaps of 3 mm, and at times out of contact", 0, 3,
        [](Faults& f, double m) { f.head_motion = m; }},
       {"motor_backlash", "play between shaft and wheel, rad", 0, 1,
        [](Faults& f, double m) { f.motor_backlash_rad = m; }},

@@ -297,6 +297,34 @@ TEST_F(GateEvidence, PowerClaimsNoAcceptanceOfWhatIsNotThere) {
   EXPECT_EQ(run({"power", "--firmware", folder / "firmware", "--seeds", "0", "-q"}).exit_code, 1);
 }
 
+TEST_F(GateEvidence, ALimitsFileThatIsNotThereIsToldBeforeAnythingIsPlayed) {
+  const std::string none = replaced(kPlan, "maxima_pct = 95\nminima_pct = 95\nlimit_source = \"ours\"\n", "");
+  write_text(plan, replaced(none, "[safety]", "[limits]\nderived = \"nosuch.toml\"\n[safety]"));
+  const ProcessResult r = gate(kGood, "run");
+  EXPECT_EQ(r.exit_code, 2) << r.out << r.err;
+  EXPECT_THAT(r.err, HasSubstr("nosuch.toml"));
+  EXPECT_THAT(r.err, HasSubstr("where: " + plan + ":9:1"));
+  EXPECT_THAT(r.err, HasSubstr("forcegate limits GOOD --plan " + plan));
+  EXPECT_FALSE(fs::exists(folder / "run"));
+  const ProcessResult planned = run({"plan", plan});
+  EXPECT_THAT(planned.out, HasSubstr(plan + ":9:1): forcegate gate refuses it"));
+  EXPECT_THAT(planned.out, HasSubstr("next: mend the plan"));
+  // the way in which the file comes to be, and a plan whose cases have limits of their own until then
+  EXPECT_EQ(run({"limits", kGood, "--plan", plan, "--count", "10", "-o", folder / "new.toml"}).exit_code, 0);
+  EXPECT_EQ(run({"gate", kGood, "--plan", plan, "--limits", folder / "new.toml", "-o", folder / "limited"}).exit_code, 0);
+  write_text(plan, replaced(kPlan, "[safety]", "[limits]\nderived = \"nosuch.toml\"\n[safety]"));
+  EXPECT_EQ(gate(kGood, "own").exit_code, 0);
+}
+
+TEST_F(GateEvidence, WhoBlessesARunThatHadNoGoldensIsToldToGateWithThem) {
+  ASSERT_EQ(gate(kGood, "run").exit_code, 0);
+  fs::create_directories(folder / "goldens");
+  const ProcessResult r = run({"bless", folder / "run", "--reason", "first", "--who", "A. Smith", "--goldens", folder / "goldens"});
+  EXPECT_EQ(r.exit_code, 2) << r.out;
+  EXPECT_THAT(r.err, HasSubstr("help: gate with --golden " + (folder / "goldens") + " and bless that run"));
+  EXPECT_THAT(gate(kGood, "none", {"--golden", folder / "nowhere"}).err, HasSubstr("gate with --golden"));
+}
+
 TEST_F(GateEvidence, APlanThatTheGateRefusesIsNotRecommendedToIt) {
   write_text(plan, replaced(kPlan, "checks = [\"accuracy\"]", "checks = []"));
   const ProcessResult refused = run({"plan", plan});

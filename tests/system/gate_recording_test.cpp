@@ -244,6 +244,43 @@ TEST_F(GateRecording, LimitsReadCountsWithTheBitsOfTheCalibration) {
   EXPECT_THAT(none.err, HasSubstr("it is for --record FILE"));
 }
 
+TEST_F(GateRecording, LimitsAreOfThePlanThatIsGiven) {
+  std::vector<std::string> words{"limits", kNative, "--cal", folder / "cal.toml"};
+  write_text(folder / "cal.toml", "gain_N_per_V = 0.5\noffset_N = 0\n");
+  for (int k = 0; k < 5; ++k) {
+    std::string text = "t_s,F_ref_N,U_V\n";
+    for (int i = 0; i < 40000; ++i) {
+      const double load_N = 2.5 + 0.001 * k - 1.5 * std::cos(0.5 * 2.0 * 3.14159265 * 0.001 * i);
+      text += std::to_string(0.001 * i) + "," + std::to_string(load_N) + "," + std::to_string(load_N / 0.5) + "\n";
+    }
+    words.insert(words.end(), {"--record", folder / (std::to_string(k) + ".csv")});
+    write_text(words.back(), text);
+  }
+  const auto limits = [&](const std::vector<std::string>& more, const ProcessOptions& options = kHere) {
+    std::vector<std::string> line = words;
+    line.insert(line.end(), more.begin(), more.end());
+    return forcegate(line, options);
+  };
+  const ProcessResult no_plan = limits({"--plan", "nosuchplan"});
+  EXPECT_EQ(no_plan.exit_code, 2) << no_plan.out;
+  EXPECT_THAT(no_plan.err, HasSubstr("nosuchplan"));
+  std::string mine = read_text(FORCEGATE_SOURCE_DIR "/ci/plans/replay.toml");
+  mine.replace(mine.find("name = \"replay\""), 15, "name = \"mine\"");
+  write_text(folder / "mine.toml", mine);
+  const ProcessResult r = limits({"--plan", folder / "mine.toml", "-o", folder / "limits.toml"}, {.folder = folder.path()});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_THAT(read_text(folder / "limits.toml"), HasSubstr("plan = \"mine\""));
+  EXPECT_THAT(r.out, HasSubstr(" --record NEW.csv"));
+  EXPECT_THAT(r.out, HasSubstr(" --plan " + (folder / "mine.toml") + " --limits "));
+  const ProcessResult several = limits({"--plan", "smoke"});
+  EXPECT_EQ(several.exit_code, 2);
+  EXPECT_THAT(several.err, HasSubstr("--case"));
+  const ProcessResult replay = limits({"-o", folder / "replay.toml"});
+  EXPECT_EQ(replay.exit_code, 0) << replay.err;
+  EXPECT_THAT(read_text(folder / "replay.toml"), HasSubstr("plan = \"replay\""));
+  EXPECT_THAT(replay.out, Not(HasSubstr(" --plan ")));
+}
+
 TEST_F(GateRecording, ARigWithAnotherConverterThanTheCalibrationIsToldBeforeAnythingIsPlayed) {
   const std::string bits = folder / "bits.toml", range = folder / "range.toml";
   write_text(bits, "gain_N_per_V = 0.5\noffset_N = 0\nadc_bits = 12\n");

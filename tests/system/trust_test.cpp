@@ -240,7 +240,8 @@ TEST_F(Trust, a_golden_is_missing_then_blessed_then_held) {
   std::string old = read_text(golden);
   const std::size_t rig = old.find("emulated/");
   ASSERT_NE(rig, std::string::npos) << old.substr(0, 400);
-  write_text(golden, old.replace(rig, 10, "emulated/0"));
+  old.erase(old.find("digest "), std::string("digest ").size() + 65);  // as older versions wrote it
+  write_text(golden, old.replace(old.find("emulated/"), 10, "emulated/0"));
   EXPECT_THAT(run({"bless", folder / "second", "--who", "B", "--reason", "another rig", "--goldens", goldens}).out, HasSubstr("instead of emulated/0"));
   EXPECT_EQ(gate(kGood, "fourth").exit_code, 0);
   EXPECT_EQ(run({"bless", folder / "third", "--who", "B", "--reason", "x", "--goldens", goldens}).exit_code,

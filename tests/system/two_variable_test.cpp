@@ -82,6 +82,7 @@ TEST(TwoVariableFirmware, IsHeldAgainstGoldensAndAnAcceptedBuild) {
   // A golden whose firmware was elsewhere by 0.1 N.
   const fs::path golden = folder.path() / "traces/own/pack0-sensor1@2010-0-1.golden";
   std::string text = read_text(golden);
+  text.erase(text.find("digest "), std::string("digest ").size() + 65);  // as older versions wrote it
   const std::size_t line = text.find("window"), row = text.find('\n', line) + 1, end = text.find('\n', row);
   const std::string first = text.substr(row, text.find(' ', row) - row);
   text.replace(row, end - row, first + " " + std::to_string(std::stod(first) + 0.1));

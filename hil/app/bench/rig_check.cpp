@@ -117,6 +117,7 @@ Result<RepeatabilityAnswer> repeatability(const RepeatabilityRequest& request, c
   for (std::size_t k = 0; k < request.n; ++k) {
     GateRequest again = request.gate;
     again.seed = first_seed + k;
+    again.makes_limits = true;
     const auto part = [&](double fraction, std::string_view now) {
       if (progress) progress((static_cast<double>(k) + fraction) / static_cast<double>(request.n), now);
     };

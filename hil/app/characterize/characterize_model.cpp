@@ -23,6 +23,19 @@ double spread_of(const Spread& s) {
   return std::sqrt(between * between + within * within);
 }
 
+// Recordings are of a sensor that nothing says the shipped model is of: what they did not measure is not told as if it were known.
+void take_no_more_than_recorded(const SensorStudy& study, Model& model) {
+  const auto measured = [&](std::string_view key) {
+    const Spread* s = study.find(key);
+    return s != nullptr && std::isfinite(s->mean);
+  };
+  const bool named = study.sensor == "flexiforce" || study.sensor == "fsr";
+  if (!named) model.sensor.clear();
+  model.se_gain = model.se_offset = model.se_b_scale = model.se_q_scale = 0.0;
+  const bool cycled = measured("recording.frequency");
+  model.law.decays = model.law.decays && (measured("identified.b") || (named && !cycled));
+}
+
 void take(const SensorStudy& study, std::string_view key, double& value, double& se) {
   const Spread* s = study.find(key);
   if (s == nullptr || !std::isfinite(s->mean)) return;
@@ -36,6 +49,7 @@ Result<std::string> model_of_study(const SensorStudy& study) {
   const bool fsr = study.sensor == "fsr";
   FORCEGATE_TRY(Model model, library_model(fsr ? "fsr" : "flexiforce"));
   model.name = study.sensor + "-characterized";
+  if (study.of_recordings) take_no_more_than_recorded(study, model);
   std::size_t specimens = 0;
   if (const Spread* g = study.find("static.gain")) specimens = g->specimens;
   const std::size_t sheets = study.sheets.size();

@@ -60,6 +60,7 @@ class SoundRows {
     return fail(ErrorCode::usage, fmt::format("{} of {} rows have a gap: the first one in {}", gaps_.size(), kept_.size(), first->second),
                 fmt::format("{}:{}", request.table.string(), table.line_of_row(first->first)), "fill the cells, or name with --over the columns that count");
   }
+  bool has(std::size_t row) const { return kept_[row] != 0; }
   std::vector<double> of(const std::vector<double>& value) const {
     std::vector<double> out;
     for (std::size_t r = 0; r < value.size(); ++r)
@@ -91,6 +92,15 @@ ParameterAnswer constant_answer(const ParameterQuestion& q, ParameterAnswer answ
   answer.loo_constant = answer.loo_before = answer.loo_after = answer.scatter = 0.0;
   answer.sentence = fmt::format("{} is the same in every record, {:.6g}{}: there is nothing to explain", q.name, q.value.front(), q.unit.empty() ? "" : " " + q.unit);
   return answer;
+}
+
+// The table alone knows the line.
+Result<void> check_uncertainties(const CsvTable& table, const SoundRows& sound, const CsvColumn& u, const LawsRequest& request) {
+  for (std::size_t r = 0; r < u.value.size(); ++r)
+    if (sound.has(r) && !(u.value[r] > 0.0))
+      return fail(ErrorCode::usage, fmt::format("the uncertainty {} = {} is not above 0", printable_utf8(u.header), shortest(u.value[r])),
+                  fmt::format("{}:{}", request.table.string(), table.line_of_row(r)), "mend it, or leave out the row or the whole column");
+  return {};
 }
 
 Result<void> check_asked_once(const CsvTable& table, const LawsRequest& request) {
@@ -161,7 +171,10 @@ Result<std::vector<ParameterAnswer>> laws(const LawsRequest& request, std::vecto
     q.name = name;
     q.unit = request.scale == "log" ? "" : unit_of(c->header);
     q.value = sound.of(c->value);
-    if (const CsvColumn* u = find_column(table, "u_" + name)) q.u = sound.of(u->value);
+    if (const CsvColumn* u = find_column(table, "u_" + name)) {
+      FORCEGATE_CHECK_OK(check_uncertainties(table, sound, *u, request));
+      q.u = sound.of(u->value);
+    }
     FORCEGATE_TRY(ParameterAnswer answer, missing_dependence(q));
     out.push_back(is_constant(q.value) ? constant_answer(q, std::move(answer)) : std::move(answer));
   }

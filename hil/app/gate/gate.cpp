@@ -7,6 +7,7 @@
 
 #include "hil/app/gate/bundle.h"
 #include "hil/app/gate/gate_player.h"
+#include "hil/app/gate/plan_remarks.h"
 #include "hil/app/gate/repeats.h"
 #include "hil/app/gate/run_folder.h"
 #include "hil/app/gate/same_conditions.h"
@@ -75,6 +76,9 @@ class GateRun {
     const std::filesystem::path path = plan.path.parent_path() / plan.limits.derived;
     std::error_code ignored;
     if (!std::filesystem::exists(path, ignored)) {
+      if (!request_.makes_limits && lacks_limits(plan))
+        return fail(ErrorCode::config, "there is no limits file " + printable_utf8(path.lexically_normal().string()) + ", and nothing else says how far off a case may be",
+                    plan.limits.derived_where, no_limits_file_help(plan));
       result_.notes.push_back("there is no limits file " + plan.limits.derived +
                               ": derive it with forcegate limits");
       return {};

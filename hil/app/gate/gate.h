@@ -33,6 +33,7 @@ struct GateRequest {
   std::filesystem::path
       limits_file;              ///< instead of the plan's, and of those its open-loop cases give themselves
   bool without_limits = false;  ///< measure only: limits are being derived
+  bool makes_limits = false;    ///< they come of it: the plan's file of them need not be there yet
   std::filesystem::path calibration_file;  ///< used instead of a calibration on the rig
   std::optional<std::uint64_t> seed;
   /// Build to be no worse than: its image, played on the same rig in turn with the candidate, or the result of

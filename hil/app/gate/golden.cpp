@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <span>
+#include <tuple>
 
 #include "hil/base/read_file.h"
 #include "hil/base/text.h"
@@ -116,6 +117,19 @@ void hold_against(const GoldenRecord& golden, const GoldenTarget& target, std::v
         target.record_id, target.truth, target.error_name, now, then));
 }
 
+// A tube that holds next to anything guards nothing.
+void remark_on_tolerance(const GoldenTarget& target, const char* curve, const TubeOptions& now, const TubeOptions& blessed, std::vector<std::string>& notes) {
+  constexpr double kFar = 10.0, kLeast = 0.01;
+  const std::tuple<const char*, double, double> fields[] = {{"absolute", now.absolute, blessed.absolute},
+                                                            {"relative", now.relative, blessed.relative},
+                                                            {"scale", now.scale, blessed.scale},
+                                                            {"time_s", now.time_s, blessed.time_s},
+                                                            {"lag_limit_s", now.lag_limit_s, blessed.lag_limit_s}};
+  for (const auto& [name, wide, usual] : fields)
+    if (!(wide <= kFar * std::max(usual, kLeast)))
+      notes.push_back(fmt::format("the golden of {} holds next to nothing: tolerance {} {} {}, forcegate bless writes {}", target.record_id, curve, name, shortest(wide), shortest(usual)));
+}
+
 std::string file_name(const std::string& case_name, const std::string& specimen, const char* ending) {
   std::string name = case_name + "@" + specimen + ending;
   std::replace(name.begin(), name.end(), '/', '-');
@@ -165,6 +179,8 @@ ChecksByRecord golden_checks(const std::vector<GoldenTarget>& targets,
       any = true;
       if (target.failed) continue;
       std::string csv;
+      remark_on_tolerance(target, "ati", golden->ati, target.truth_tube, notes);
+      remark_on_tolerance(target, "firmware", golden->firmware, target.firmware_tube, notes);
       hold_against(*golden, target, checks[target.place], notes, csv);
       if (margins != nullptr && !csv.empty())
         margins->push_back({file_name(case_name, target.specimen, ".csv"),

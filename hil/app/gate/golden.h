@@ -56,7 +56,7 @@ struct GoldenMargins {
 /// another rig, or for the firmware of another seed, is not comparable: not_run, not required. One of another profile (its
 /// stimulus says so, or the record does as its own profile wants and the golden does not fit it) is not_run and required: to
 /// act is the plan, no retry helps. notes: stale goldens, where
-/// the build leaves the golden and is nearer to the ATI than it.
+/// the build leaves the golden and is nearer to the ATI than it, and tolerances far above those of a first golden.
 /// margins, when given: what to write beside the result, one file for each record that was compared.
 ChecksByRecord golden_checks(const std::vector<GoldenTarget>& targets,
                              const std::vector<GoldenRecord>& goldens, std::vector<std::string>& notes,

@@ -8,6 +8,7 @@
 #include <set>
 #include <vector>
 
+#include "hil/base/text.h"
 #include "hil/gate/judge_accuracy.h"
 #include "hil/gate/limits.h"
 #include "hil/gate/runner.h"
@@ -88,6 +89,17 @@ void remark_on_profile(const PlanCase& c, const Stimulus& stimulus, double rate_
 
 }  // namespace
 
+bool lacks_limits(const Plan& plan) {
+  return std::ranges::any_of(plan.cases, [&](const PlanCase& c) {
+    const auto made = make_stimulus(c.stimulus);
+    return c.loop == LoopMode::open && c.checks & kCheckAccuracy && made && (*made)->facts().dynamic && without_limit(plan, c, (*made)->facts(), {});
+  });
+}
+
+std::string no_limits_file_help(const Plan& plan) {
+  return "mend the path, or make the file: forcegate limits GOOD --plan " + shell_quoted(plan.path.string()) + " -o new.toml, then forcegate bless new.toml";
+}
+
 Result<void> remark_on(const Plan& plan, PlanEstimate& e) {
   std::vector<std::string>& out = e.remarks;
   const auto refused = [&](std::string why) {
@@ -103,8 +115,10 @@ Result<void> remark_on(const Plan& plan, PlanEstimate& e) {
       limits = std::move(*read);
     else if (std::error_code ignored; std::filesystem::exists(path, ignored))
       refused("limits file " + plan.limits.derived + ": " + read.error().text + " (forcegate limits)");
+    else if (const std::string why = "limits file " + plan.limits.derived + ": " + read.error().text + " (" + plan.limits.derived_where; lacks_limits(plan))
+      refused(why + "): forcegate gate refuses it; " + no_limits_file_help(plan));
     else
-      out.push_back("limits file " + plan.limits.derived + ": " + read.error().text + " (forcegate limits)");
+      out.push_back(why + "; forcegate limits)");
   }
   const bool with_goldens = std::any_of(plan.cases.begin(), plan.cases.end(), [](const PlanCase& c) { return c.checks & kCheckGolden; });
   if (with_goldens && plan.limits.goldens.empty())

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <csignal>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
@@ -81,8 +82,17 @@ bool holds_what_a_bench_played(const fs::path& run) {
   return !result.is_object() || !result.contains(at) || (result[at] != "emulated" && result[at] != "replay");
 }
 
+// Killed, and its parent has not asked for its exit code yet: it can be signalled, and writes nothing any more.
+bool is_zombie(long pid) {
+  std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
+  std::string stat;
+  std::getline(file, stat);
+  const std::size_t name_ends = stat.rfind(") ");
+  return name_ends != std::string::npos && name_ends + 2 < stat.size() && (stat[name_ends + 2] == 'Z' || stat[name_ends + 2] == 'X');
+}
+
 // A process of another user must not be signalled (EPERM), but it lives.
-bool lives(long pid) { return pid > 0 && pid != getpid() && (kill(static_cast<pid_t>(pid), 0) == 0 || errno == EPERM); }
+bool lives(long pid) { return pid > 0 && pid != getpid() && (kill(static_cast<pid_t>(pid), 0) == 0 || errno == EPERM) && !is_zombie(pid); }
 
 // The folder that a living run fills for the same name; "" without one.
 fs::path of_another_run(const fs::path& final_path) {

@@ -18,16 +18,26 @@ std::string told(const std::string& effect, const ModelParameter& p) {
   return effect + "." + p.name + " = " + with_uncertainty(p.value, p.se) + (p.unit.empty() || p.unit == "1" ? "" : " " + p.unit);
 }
 
+bool is_none(const ModelParameter* p) { return std::abs(p->value) <= kWithin * p->se; }
+
 // Those that were not fitted say nothing. Several that go together are each unsure where their sum is plain: the error says so.
 void tell_strengths(const std::string& effect, std::vector<const ModelParameter*> strengths, bool error_falls, WeakAddition& out) {
   std::erase_if(strengths, [](const ModelParameter* p) { return !(p->se > 0.0); });
   if (strengths.empty() || (strengths.size() > 1 && error_falls)) return;
-  if (!std::ranges::all_of(strengths, [](const ModelParameter* p) { return std::abs(p->value) <= kWithin * p->se; })) return;
+  if (!std::ranges::all_of(strengths, is_none)) return;
   out.is_shown = false;
   std::vector<std::string> values;
   for (const ModelParameter* p : strengths) values.push_back(told(effect, *p));
   out.warnings.push_back(join(values, ", ") + (values.size() == 1 ? " lies" : " lie") +
                          " within two standard errors of 0, where there is no such effect: these records do not show it");
+}
+
+// Beside a strength that is plainly there. Those of an effect of the library are its form's, and belong together.
+void tell_parts(const std::string& equation, std::vector<const ModelParameter*> strengths, std::vector<std::string>& out) {
+  std::erase_if(strengths, [](const ModelParameter* p) { return !(p->se > 0.0); });
+  if (std::ranges::all_of(strengths, is_none)) return;
+  for (const ModelParameter* p : strengths)
+    if (is_none(p)) out.push_back(told(equation, *p) + " lies within two standard errors of 0: these records do not show that part of the equation; leave it out, or record what moves it more");
 }
 
 void tell_shape(const std::string& effect, const ModelParameter& p, double low, double high, const std::string& help, std::vector<std::string>& out) {
@@ -67,6 +77,7 @@ WeakAddition weak_addition(const diagnose::Refit& r, const std::string& added) {
     if (own.name != added) continue;
     for (const ModelParameter& p : own.parameters)
       if (!std::isfinite(p.written) && p.se > 0.0) strengths.push_back(&p);  // what was not fitted has none
+    tell_parts(added, strengths, out.warnings);
     for (std::string& warning : shapes_at_their_ends(own)) out.warnings.push_back(std::move(warning));
   }
   constexpr double kHardly = 0.98;

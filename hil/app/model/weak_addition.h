@@ -13,7 +13,7 @@ struct WeakAddition {
   std::vector<std::string> warnings;  ///< one sentence each
 };
 
-/// `added` empty: a refit, nothing to be said. A strength is none within two of its standard errors of 0 (all of them, where there are several);
+/// `added` empty: a refit, nothing to be said. A strength is none within two of its standard errors of 0 (all of them, where there are several; of an equation each that is none is warned of);
 /// errors do not fall where the adapted one keeps 98 % and the plain one all. A shape at an end of its range is warned of, and shown all the same.
 WeakAddition weak_addition(const diagnose::Refit& refit, const std::string& added);
 

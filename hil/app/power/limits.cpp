@@ -55,6 +55,8 @@ class Derivation {
       return fail(ErrorCode::usage,
                   fmt::format("{} recordings do not show what repeats", request.records.size()), "--record",
                   fmt::format("give at least {} of the same profile", kFewestRecordings));
+    FORCEGATE_TRY(const std::filesystem::path path, find_plan(request.plan));
+    FORCEGATE_TRY(const Plan plan, read_plan(path));
     std::map<std::string, std::string> seen;  // digest, name: a recording that is given twice repeats by itself
     for (const std::filesystem::path& record : request.records) {
       FORCEGATE_TRY(const std::string digest, sha256_file(record));
@@ -62,9 +64,8 @@ class Derivation {
         return fail(ErrorCode::usage, at->second == record.string() ? "a recording is given twice" : "two recordings are the same, byte for byte: the other is " + at->second,
                     record.string(), fmt::format("give at least {} that were made one after the other", kFewestRecordings));
     }
-    FORCEGATE_TRY(const std::filesystem::path path, find_plan("replay"));
-    FORCEGATE_TRY(const Plan plan, read_plan(path));
     GateRequest gated = common(request, path);
+    gated.only_cases = request.only_cases;
     gated.rig = "replay";
     gated.calibration_file = request.calibration_file;
     if (!request.map.empty()) gated.rig_options["map"] = request.map;
@@ -96,6 +97,7 @@ class Derivation {
     gated.plan = plan.string();
     gated.threads = request.threads;
     gated.single_look = true;
+    gated.makes_limits = true;
     gated.without_limits = !request.records.empty();
     return gated;
   }

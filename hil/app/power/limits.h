@@ -8,7 +8,8 @@ namespace forcegate {
 
 struct LimitsRequest {
   std::filesystem::path firmware;
-  std::string plan = "smoke";
+  std::string plan = "smoke";                  ///< file, or name of a plan in ci/plans
+  std::vector<std::string> only_cases;         ///< names; empty = all that need a derived limit
   std::vector<std::filesystem::path> records;  ///< recordings to judge on instead of an emulated rig
   std::string map;                             ///< names of their columns, COLUMN=NAME, one a line
   std::filesystem::path calibration_file;      ///< of the specimen in the recordings
@@ -24,8 +25,8 @@ struct MadeLimits {
 };
 
 /// derive_limit() of the judged errors of every open-loop case with the check `accuracy`. With recordings (at least
-/// 5 of one profile on one bench: its repeatability run) each of them gives one value, under the case name
-/// `recording` of the plan `replay`. Errors: those of gate(); config when a record gave no value (the file would
+/// 5 of one profile on one bench: its repeatability run) each of them gives one value, under the case of the plan that
+/// a gate of them would judge (`recording` of the plan `replay`). Errors: those of gate(); config when a record gave no value (the file would
 /// claim too much).
 /// A build that fails a check which no derived limit decides is noted: its errors are those of no known-good one.
 Result<MadeLimits> derive_limits(const LimitsRequest& request, const GateProgress& progress = {},

@@ -193,7 +193,7 @@ Result<BlessAnswer> bless_run(const BlessRequest& request) {
     if (run.goldens.empty())
       return fail(
           ErrorCode::usage, "the plan of this run names no goldens", head.plan_name,
-          "add goldens = \"...\" to its [limits] (and \"golden\" to the checks of a case), or give --goldens FOLDER");
+          "gate with --golden FOLDER and bless that run, or add goldens = \"...\" to its [limits] and \"golden\" to the checks of a case");
     folder = run.goldens;
     if (!folder.is_absolute()) {
       FORCEGATE_TRY(folder, folder_beside_plan(request, bundle, run));
@@ -218,7 +218,8 @@ Result<BlessAnswer> bless_run(const BlessRequest& request) {
   }
   if (answer.changes.empty())
     return fail(ErrorCode::usage, "no case of this run asks for a golden", head.plan_name,
-                "add \"golden\" to the checks of a case");
+                "gate with --golden " + (request.goldens.empty() ? std::string("FOLDER") : shell_quoted(request.goldens.string())) +
+                    " and bless that run, or add \"golden\" to the checks of a case of the plan");
   answer.target = folder;
   answer.governance = folder.parent_path() / "CHANGES.md";
   std::string list;

@@ -24,7 +24,7 @@ std::string line_that_gates_on(const Invocation& in, const std::string& file, co
   if (!has_twins(file))
     return "gate your build with --rig " + shell_quoted(file) + cal + " --arm when nobody reaches into the bench";
   const std::optional<std::string> image = shipped_image("reference.native.so");
-  if (!image) return "forcegate gate --help";
+  if (!image) return "gate a build of yours on it: forcegate gate FIRMWARE --rig " + shell_quoted(file) + cal + " --plan PLAN";
   return "forcegate gate " + shell_quoted(*image) + " --rig " + shell_quoted(file) +
          (in.given("attach") ? " --rig-option " + shell_quoted("attach=" + in.text("attach")) : "") + " --plan twin" + cal;
 }

@@ -13,11 +13,12 @@ namespace {
 Result<int> run(const Invocation& in) {
   LimitsRequest request;
   request.firmware = in.text("FIRMWARE");
-  request.plan = in.text("plan");
+  request.plan = in.given("record") && !in.given("plan") ? "replay" : in.text("plan");
+  request.only_cases = in.texts("case");
   FORCEGATE_TRY(const std::int64_t n, in.integer("count", 10, 100000));
   request.n = static_cast<std::size_t>(n);
   for (const std::string& record : in.texts("record")) request.records.emplace_back(record);
-  for (const char* option : {"cal", "map"})
+  for (const char* option : {"cal", "case", "map"})
     if (request.records.empty() && in.given(option))
       return fail(ErrorCode::usage, "limits of the emulated rig have no recordings to read with it", std::string("--") + option, "it is for --record FILE");
   FORCEGATE_TRY(request.map, column_map_lines(in));
@@ -35,7 +36,8 @@ Result<int> run(const Invocation& in) {
   in.console().notes(made->notes);
   in.console().print_json(made_limits_json(*made));
   std::string recorded;
-  if (!request.records.empty()) recorded = " --record " + shell_quoted(request.records.back().string());
+  if (!request.records.empty()) recorded = " --record NEW.csv";  // none that the limits were made of: it passes by construction
+  for (const std::string& name : request.only_cases) recorded += " --case " + shell_quoted(name);
   for (const std::string& word : in.texts("map")) recorded += " --map " + shell_quoted(word);
   if (in.given("cal")) recorded += " --cal " + shell_quoted(in.text("cal"));
   in.console().next(in.given("output") ? line_after_limits(in, made->limits, in.text("output"), recorded)
@@ -56,7 +58,7 @@ const Registration<Command> kRow{Command{
     .options =
         {{.name = "plan",
           .value_name = "PLAN",
-          .doc = "Plan file, or the name of one in ci/plans.",
+          .doc = "Plan file, or the name of one in ci/plans; with --record it is `replay`, where none is given.",
           .fallback = "smoke",
           .names = Names::input},
          {.name = "count", .value_name = "N", .doc = "Specimens.", .fallback = "300"},
@@ -66,6 +68,7 @@ const Registration<Command> kRow{Command{
           .doc = "Recording of a bench's repeatability run, at least five; then no rig is emulated.",
           .repeatable = true,
           .names = Names::input},
+         {.name = "case", .value_name = "NAME", .doc = "Case of the plan that was recorded, where it has several.", .repeatable = true},
          map_row(),
          {.name = "cal", .value_name = "FILE", .doc = "Calibration of the specimen in the recordings.", .names = Names::input},
          {.name = "threads",

@@ -10,13 +10,14 @@ namespace forcegate {
 
 std::string line_after_limits(const Invocation& in, const DerivedLimits& limits, const std::string& file, const std::string& on) {
   if (limits.by_case_and_check.empty()) return "forcegate explain NO-DECISION";
-  if (takes_derived_limits(limits.plan)) {
+  const bool recorded = on.starts_with(" --record");
+  if (!recorded && takes_derived_limits(limits.plan)) {
     std::size_t n = 0;
     for (const auto& [key, limit] : limits.by_case_and_check) n = std::max(n, limit.n);
     const std::string reason = fmt::format("derived for plan {} from {} values each", limits.plan, n);
     return bless_line(file, shell_quoted(reason), "\"$(id -un)\"") + " --dry-run";
   }
-  const std::string plan = limits.plan == "replay" ? "" : " --plan " + shell_quoted(in.text("plan"));  // recordings choose theirs
+  const std::string plan = recorded && !in.given("plan") ? "" : " --plan " + shell_quoted(in.text("plan"));
   return "forcegate gate " + shell_quoted(in.text("FIRMWARE")) + on + plan + " --limits " + shell_quoted(file);
 }
 

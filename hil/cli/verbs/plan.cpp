@@ -48,7 +48,7 @@ Result<int> run(const Invocation& in) {
                       (estimate.name == "replay" ? std::string() : " --plan " + shell_quoted(in.text("PLAN"))));
   else
     in.console().next(image ? "forcegate gate " + shell_quoted(*image) + " --plan " + shell_quoted(in.text("PLAN"))
-                            : "forcegate gate --help");
+                            : "gate a build of yours with it: forcegate gate FIRMWARE --plan " + shell_quoted(in.text("PLAN")));
   return kExitSuccess;
 }
 

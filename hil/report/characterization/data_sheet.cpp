@@ -38,9 +38,10 @@ std::string section_table(const SensorStudy& study, const Section& section) {
   std::string rows;
   for (const Spread& s : study.spreads) {
     if (!s.key.starts_with(section.prefix)) continue;
+    const auto of_several = [&](double quantile) { return number(s.n > 1 ? quantile : std::nan("")); };  // one value has none
     rows += "<tr><th scope=\"row\">" + escape(s.title) + "</th><td>" + escape(std::string(unit_in_text(s.unit))) + "</td>" +
-            number(s.mean) + number(s.sd_specimens) + (study.of_recordings ? "" : number(s.sd_sessions)) + number(s.q05) +
-            number(s.median) + number(s.q95) + fmt::format("<td class=\"n\">{}</td></tr>\n", s.n);
+            number(s.mean) + number(s.sd_specimens) + (study.of_recordings ? "" : number(s.sd_sessions)) + of_several(s.q05) +
+            of_several(s.median) + of_several(s.q95) + fmt::format("<td class=\"n\">{}</td></tr>\n", s.n);
   }
   if (rows.empty()) return {};
   return fmt::format(

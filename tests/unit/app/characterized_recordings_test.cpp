@@ -90,5 +90,36 @@ TEST(CharacterizedRecordings, AreNoSpecimensInSheetAndModel) {
   EXPECT_THAT(value_or_abort(model_of_study(one)), HasSubstr("1 specimen, 1 session\""));
 }
 
+TEST(CharacterizedRecordings, OfOneValueThereAreNoQuantiles) {
+  const auto unmeasured = [](const SensorStudy& study) {
+    const std::string html = data_sheet_html(study, {}, "");
+    std::size_t n = 0;
+    for (std::size_t at = 0; (at = html.find(">not measured<", at)) != std::string::npos; ++at) ++n;
+    return n;
+  };
+  EXPECT_EQ(unmeasured(study_of({slow("ramp.csv", 0.5)})), 2u * 4u) << "sd, 5 %, median and 95 % of gain and offset";
+  EXPECT_EQ(unmeasured(study_of({slow("ramp.csv", 0.5), slow("other.csv", 0.9)})), 0u);
+}
+
+TEST(CharacterizedRecordings, TakeNeitherNameNorStandardErrorsNorADecayFromTheShippedSensor) {
+  const std::string no_decay = value_or_abort(model_of_study(study_of({slow("ramp.csv", 2.8)})));
+  EXPECT_THAT(no_decay, HasSubstr("sensor = \"\""));
+  EXPECT_THAT(no_decay, HasSubstr("kind = \"static\""));
+  EXPECT_THAT(no_decay, HasSubstr("se = 0.0, unit = \"N/V\""));
+  EXPECT_THAT(no_decay, HasSubstr("se = 0.0, unit = \"N\""));
+  const std::string decaying = value_or_abort(model_of_study(study_of({slow("ramp.csv", 2.8), cyclic("sine.csv")})));
+  EXPECT_THAT(decaying, HasSubstr("kind = \"decaying\""));
+  EXPECT_THAT(decaying, HasSubstr("b_scale = { value = 1.2, se = 0.0"));
+  SensorStudy named = study_of({slow("ramp.csv", 0.5)});
+  named.sensor = "flexiforce";
+  EXPECT_THAT(value_or_abort(model_of_study(named)), HasSubstr("kind = \"decaying\""));
+  EXPECT_THAT(value_or_abort(model_of_study(named)), HasSubstr("sensor = \"Tekscan FlexiForce A201\""));
+  SessionSheet level = slow("sine.csv", 0.5);
+  level.values.push_back({"recording.frequency", "Mean frequency of the cycles", "Hz", 0.5});
+  named.sheets.push_back(level);
+  characterize::summarise(named, {});
+  EXPECT_THAT(value_or_abort(model_of_study(named)), HasSubstr("kind = \"static\"")) << "its cycles do not decay";
+}
+
 }  // namespace
 }  // namespace forcegate::test

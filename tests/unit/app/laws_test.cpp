@@ -110,6 +110,17 @@ TEST_F(Laws, ARowWithAGapIsLeftOutAndAColumnOfTextIsNoCovariateAndBothAreTold) {
   EXPECT_THAT(words.error().text, HasSubstr("the column 'glue' holds text"));
 }
 
+TEST_F(Laws, AnUncertaintyOfNoneIsToldWithItsLine) {
+  LawsRequest request = table();
+  std::string text = "f_Hz,A_N,m_N,b,u_b\n";
+  for (int i = 0; i < 18; ++i) text += std::to_string(0.5 + 0.1 * (i % 6)) + "," + std::to_string(1 + i / 6) + ",2,0.00" + std::to_string(5 + i % 4) + (i == 3 ? ",0\n" : ",0.0001\n");
+  request.table = put("u.csv", text);
+  const auto answers = laws(request);
+  ASSERT_FALSE(answers);
+  EXPECT_THAT(answers.error().where, ::testing::EndsWith("u.csv:5"));
+  EXPECT_THAT(answers.error().text, HasSubstr("u_b = 0"));
+}
+
 TEST_F(Laws, ManyGapsAreNamedWithTheFirstOfThem) {
   LawsRequest request = table();
   std::ifstream file(request.table);

@@ -33,6 +33,16 @@ TEST(WeakAddition, AStrengthOfNothingAShapeAtItsEndAndErrorsThatStayAreTold) {
                                       HasSubstr("mine.k = -0.0002(6) lies within two standard errors of 0"), HasSubstr("the error hardly falls"), HasSubstr("leave mine out")));
 }
 
+TEST(WeakAddition, APartOfAnEquationThatIsNoneIsToldThoughAnotherIsPlain) {
+  diagnose::Refit r = refit(0.06, 0.0002, 1.4, 0.0035, 0.006);
+  r.model.user_effects.front().parameters.push_back({"c", "", -0.0002, 0.0005, -1e300, 1e300, 0.0});
+  const WeakAddition w = weak_addition(r, "mine");
+  EXPECT_TRUE(w.is_shown);
+  EXPECT_THAT(w.warnings, ElementsAre(HasSubstr("mine.c = -0.0002(5) lies within two standard errors of 0: these records do not show that part")));
+  r.model.user_effects.front().parameters.front().value = 0.0001;  // columns that are nearly the same share one strength
+  EXPECT_THAT(weak_addition(r, "mine").warnings, IsEmpty());
+}
+
 TEST(WeakAddition, AnEndOfTheRangeAloneIsShownAllTheSame) {
   const WeakAddition w = weak_addition(refit(0.06, 0.0002, 0.5, 0.0035, 0.006), "mine");
   EXPECT_TRUE(w.is_shown);

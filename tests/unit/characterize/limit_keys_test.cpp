@@ -64,6 +64,19 @@ TEST(LimitKeys, AKeyOfAProcedureThatIsNotPlayedIsToldWithIt) {
   EXPECT_FALSE(check_limit_keys(plan, {"flexiforce"}));
 }
 
+TEST(LimitKeys, AMisspeltMaximumIsToldBeforeTheLimitThatLacksIt) {
+  const auto read = [](const std::string& line) {
+    return parse_study_plan("format = 1\nkind = \"characterize\"\nname = \"x\"\n[population]\nspecimens = [\"q50\"]\nsessions = 1\n[procedures]\nflexiforce = "
+                            "[\"static_calibration\"]\n[[limit]]\n" + line + "key = \"static.gain\"\nsource = \"x\"\n", "p.toml");
+  };
+  const auto misspelt = read("maximun = 1\n"), none = read("");
+  ASSERT_FALSE(misspelt);
+  EXPECT_EQ(misspelt.error().where, "p.toml:10:1");
+  EXPECT_THAT(misspelt.error().hint, HasSubstr("did you mean 'maximum'?"));
+  ASSERT_FALSE(none);
+  EXPECT_THAT(none.error().hint, HasSubstr("add one"));
+}
+
 TEST(LimitKeys, APlanTellsWhereTheKeyStands) {
   const StudyPlan plan = value_or_abort(parse_study_plan(
       "format = 1\nkind = \"characterize\"\nname = \"x\"\n[population]\nspecimens = [\"q50\"]\nsessions = 1\n[procedures]\nflexiforce = "

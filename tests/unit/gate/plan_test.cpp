@@ -50,6 +50,13 @@ TEST(Plan, refuses_an_unknown_key_with_position_and_suggestion) {
   EXPECT_NE(e.hint.find("checks"), std::string::npos);
 }
 
+TEST(Plan, tells_a_misspelt_key_before_the_one_that_is_missing_for_it) {
+  const Error e = error_of(with("checks = [\"accuracy\"]", "loop = \"closed\"\nchecks = [\"promise\"]\nmaxima_ptc = 4.5\nminima_pct = 7.5\nlimit_source = \"ours\""));
+  EXPECT_EQ(e.where, "p.toml:12:1");
+  EXPECT_NE(e.text.find("'maxima_ptc'"), std::string::npos) << e.text;
+  EXPECT_NE(e.hint.find("maxima_pct"), std::string::npos) << e.hint;
+}
+
 TEST(Plan, names_the_stimulus_parameter_that_is_wrong) {
   EXPECT_NE(error_of(with("A_N = 1,", "A_N = -1,")).text.find("A_N"), std::string::npos);
   EXPECT_NE(error_of(with("f_Hz", "f_hz")).hint.find("f_Hz"), std::string::npos);

@@ -142,6 +142,19 @@ TEST(SelfCheck, sees_a_frozen_reference) {
   EXPECT_EQ(unsound(rig), "rig_reference_alive");
 }
 
+TEST(SelfCheck, tells_of_a_reference_that_stands_still_at_zero_that_the_contact_may_have_opened) {
+  for (const bool at_zero : {true, false}) {
+    testing::FakeRig rig;
+    rig.spoil = [&](std::size_t row, double t_s, RigBlock& b) {
+      if (t_s > 15.0 && t_s < 17.0) b.force_ref_N[row] = at_zero ? 0.0f : 1.25f;
+    };
+    for (const Check& c : checks_of(rig))
+      if (c.id == "rig_reference_alive") {
+        EXPECT_EQ(c.evidence.find("where the contact opens") != std::string::npos, at_zero) << c.evidence;
+      }
+  }
+}
+
 TEST(SelfCheck, sees_an_offset_of_the_reference_by_the_spring_witness) {
   testing::FakeRig rig;
   rig.spoil = [](std::size_t row, double, RigBlock& b) { b.force_ref_N[row] += 0.3f; };

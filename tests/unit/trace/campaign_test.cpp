@@ -143,6 +143,17 @@ TEST_F(ReadCampaign, AsksWhatAMistypedKeyMeans) {
   for (const char* fine : {"colour", "x_N", "operator", "temp"}) EXPECT_THAT(c->notes, ::testing::Not(Contains(HasSubstr(std::string("the key \"") + fine)))) << fine;
 }
 
+TEST_F(ReadCampaign, AsksWhatAShortKeyMeansThatHasALetterTooFew) {
+  put("run.csv", kCsv);
+  put("campaign.json", R"({"bench": {"lab": "A"}, "records": [{"file": "run.csv", "knd": "sine", "rule": "first", "m_s": 3, "dia": 9}]})");
+  const auto c = read_campaign(folder_);
+  ASSERT_TRUE(c) << c.error().to_text();
+  EXPECT_THAT(c->notes, Contains("campaign.json: nothing reads the key \"knd\"; did you mean \"kind\"?"));
+  for (const char* fine : {"lab", "rule", "m_s", "dia"}) EXPECT_THAT(c->notes, ::testing::Not(Contains(HasSubstr(std::string("the key \"") + fine)))) << fine;
+  put("campaign.json", R"({"records": [{"file": "run.csv", "knid": "sine"}]})");
+  EXPECT_THAT(read_campaign(folder_)->notes, Contains(HasSubstr("did you mean \"kind\"?")));
+}
+
 TEST_F(ReadCampaign, SaysThatARecordingWasCutShort) {
   put("r1.csv", kCsv);
   const std::string text = R"({"recorded_with": {"rig": "emulated", "planned_records": 3}, "records": [{"file": "r1.csv"}]})";

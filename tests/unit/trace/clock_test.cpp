@@ -1,5 +1,6 @@
 // What read_csv makes of clocks that are not what they seem: packets, jitter, coarse stamps.
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -275,6 +276,7 @@ TEST(Bursts, RowsStampedWhenTheyWereReadAreSpread) {
     EXPECT_TRUE(base.gaps.empty());
     for (std::size_t i = 1; i < 4000; ++i) EXPECT_NEAR(base.t_s[i] - base.t_s[i - 1], 0.001, 1e-5) << i;
     EXPECT_THAT(file.notes, Contains(HasSubstr("in bursts of 16")));
+    EXPECT_THAT(file.notes, Contains(HasSubstr("the first one " + fmt::format("{:.3g}", std::round(rows.stamps_s[0] / step_s) * step_s - base.t_s[0]) + " s before its stamp")));
   }
 }
 

@@ -35,6 +35,17 @@ TEST(ReadCsv, TakesNamesAndUnitsFromTheHeader) {
   EXPECT_EQ(f.trace.time_bases[0].t_s, (std::vector<double>{0, 0.1}));
 }
 
+TEST(ReadCsv, TakesASumBelowTheRowsForNoMissingValue) {
+  const Error total = refuse("t_s,F_ref_N,U_V\n0,1,2\n0.1,1.5,2.5\nTotal,6000,samples\n");
+  EXPECT_EQ(total.where, "x.csv:4:1");
+  EXPECT_THAT(total.hint, HasSubstr("take the line out"));
+  EXPECT_THAT(refuse("t_s,F_ref_N,U_V\n0,1,2\n0.1,1.5,2.5\n0.2,OL,OL\n").hint, HasSubstr("leave the cell empty"));
+}
+
+TEST(ReadCsv, TellsATypographicMinusInTheClockToo) {
+  EXPECT_THAT(refuse("t_s,F_ref_N\n\u22120.1,1\n\u22120.0,2\n").hint, HasSubstr("U+2212"));
+}
+
 TEST(ReadCsv, ConvertsUnitsAndSaysSo) {
   const auto f = read("t_ms,F_ref_mN,theta_deg,temp_degF\n0,1500,180,212\n1,1600,90,32\n");
   EXPECT_DOUBLE_EQ(f.trace.find("F_ref")->value[0], 1.5);

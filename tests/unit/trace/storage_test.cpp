@@ -116,6 +116,13 @@ TEST_F(Storage, Hdf5ReturnsTheTraceAsItWas) {
   }
 }
 
+TEST_F(Storage, TextWithTheEndingOfHdf5IsToldAsThat) {
+  std::ofstream(folder_ / "table.h5") << "t_s,F_ref_N,U_V\n0,1,2\n";
+  EXPECT_THAT(read_hdf5(folder_ / "table.h5").error().hint, HasSubstr("give it the ending .csv"));
+  std::ofstream(folder_ / "cut.h5") << "\x89HDF\r\n\x1a\n";
+  EXPECT_THAT(read_hdf5(folder_ / "cut.h5").error().hint, HasSubstr("cut short"));
+}
+
 TEST_F(Storage, Hdf5RefusesForeignAndDamagedFiles) {
   std::ofstream(folder_ / "a.h5") << "no";
   EXPECT_THAT(read_hdf5(folder_ / "a.h5").error().text, HasSubstr("not an HDF5 file"));
