@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "hil/diagnose/between/between_records.h"
 #include "hil/diagnose/between/mounting_places.h"
@@ -18,6 +19,8 @@ namespace forcegate::diagnose {
 
 namespace {
 
+bool helps_nothing_left_out(Refusal why) { return why == Refusal::helps_no_records || why == Refusal::helps_no_parts; }
+
 class ForwardChoice {
  public:
   ForwardChoice(const CampaignInput& input, ResidualChannel& channel, const Given& given, const std::vector<std::string>& skip,
@@ -31,16 +34,34 @@ class ForwardChoice {
   void run() {
     if (!screen_again(nullptr)) return;
     search();
-    if (!out_.chosen.empty() || std::ranges::none_of(channel_.candidates, [](const Candidate& c) { return c.form->last; })) return;
+    if (out_.chosen.empty()) search_all_forms();
+    if (out_.chosen.empty()) search_simpler_forms();
+  }
+
+  ForwardChosen chosen() && { return {std::move(out_), std::move(carried_), leads_}; }
+
+ private:
+  void search_all_forms() {
+    if (std::ranges::none_of(channel_.candidates, [](const Candidate& c) { return c.form->last; })) return;
     const ScreenResult ordinary = out_.first;
     forms_ = Forms::all;
     if (screen_again(nullptr)) search();
     if (out_.chosen.empty()) out_.first = ordinary;
   }
 
-  ForwardChosen chosen() && { return {std::move(out_), std::move(carried_), leads_}; }
+  // The last resort: another form, however well its own best one fits.
+  void search_simpler_forms() {
+    if (std::ranges::none_of(out_.refused, [](const RefusedEffect& r) { return helps_nothing_left_out(r.reason); })) return;
+    const ScreenResult ordinary = out_.first;
+    const std::vector<RefusedEffect> refused = std::exchange(out_.refused, {});
+    forms_ = Forms::ordinary;
+    may_be_simpler_ = true;
+    if (screen_again(nullptr)) search();
+    if (!out_.chosen.empty()) return;
+    out_.first = ordinary;
+    out_.refused = refused;
+  }
 
- private:
   void search() {
     while (static_cast<int>(out_.chosen.size()) < rules_.most && !result_.families.empty()) {
       if (place_ == 0) {
@@ -62,7 +83,7 @@ class ForwardChoice {
         continue;
       }
       if (why == Refusal::leads && lead.plain() && shift_s(channel_, family) > longest_lead_s()) tell_lead(shift_s(channel_, family));
-      if (why == Refusal::helps_no_records || why == Refusal::helps_no_parts)
+      if (may_be_simpler_ && helps_nothing_left_out(why))
         if (const std::optional<Borne> other = borne_out_in_another_form(family, lead)) {
           result_.families[place_] = other->family;
           ChosenEffect borne = other->chosen;
@@ -171,7 +192,7 @@ class ForwardChoice {
 
   // The first of all, of whose strength the records, or parts of them, say different things.
   bool may_hide_another(Refusal why, const ChosenEffect& chosen) const {
-    return (why == Refusal::leaves_most || why == Refusal::differs || why == Refusal::helps_no_records || why == Refusal::helps_no_parts) && out_.chosen.empty() && place_ == 0 && !chosen.between &&
+    return (why == Refusal::leaves_most || why == Refusal::differs || helps_nothing_left_out(why)) && out_.chosen.empty() && place_ == 0 && !chosen.between &&
            !rules_.forms_are_rough;
   }
 
@@ -276,6 +297,7 @@ class ForwardChoice {
   std::vector<int> base_, carried_, present_;  // of the model; with what its families soak up; with what was chosen too
   std::vector<std::string> taken_;
   Forms forms_ = Forms::ordinary;
+  bool may_be_simpler_ = false;
   ScreenResult result_;
   std::size_t place_ = 0;  // in the ranking
   int latencies_ = 0;
