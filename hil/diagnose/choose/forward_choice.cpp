@@ -41,25 +41,25 @@ class ForwardChoice {
   ForwardChosen chosen() && { return {std::move(out_), std::move(carried_), leads_}; }
 
  private:
-  void search_all_forms() {
-    if (std::ranges::none_of(channel_.candidates, [](const Candidate& c) { return c.form->last; })) return;
-    const ScreenResult ordinary = out_.first;
-    forms_ = Forms::all;
+  // Nothing was taken so far; where nothing is again, the ranking stays that of before.
+  void search_anew(Forms forms) {
+    const ScreenResult before = out_.first;
+    forms_ = forms;
     if (screen_again(nullptr)) search();
-    if (out_.chosen.empty()) out_.first = ordinary;
+    if (out_.chosen.empty()) out_.first = before;
   }
 
-  // The last resort: another form, however well its own best one fits.
+  void search_all_forms() {
+    if (std::ranges::any_of(channel_.candidates, [](const Candidate& c) { return c.form->last; })) search_anew(Forms::all);
+  }
+
+  // The last resort: another form, however well the best one fits.
   void search_simpler_forms() {
     if (std::ranges::none_of(out_.refused, [](const RefusedEffect& r) { return helps_nothing_left_out(r.reason); })) return;
-    const ScreenResult ordinary = out_.first;
-    const std::vector<RefusedEffect> refused = std::exchange(out_.refused, {});
-    forms_ = Forms::ordinary;
+    std::vector<RefusedEffect> refused = std::exchange(out_.refused, {});
     may_be_simpler_ = true;
-    if (screen_again(nullptr)) search();
-    if (!out_.chosen.empty()) return;
-    out_.first = ordinary;
-    out_.refused = refused;
+    search_anew(Forms::ordinary);
+    if (out_.chosen.empty()) out_.refused = std::move(refused);
   }
 
   void search() {
@@ -84,10 +84,8 @@ class ForwardChoice {
       }
       if (why == Refusal::leads && lead.plain() && shift_s(channel_, family) > longest_lead_s()) tell_lead(shift_s(channel_, family));
       if (may_be_simpler_ && helps_nothing_left_out(why))
-        if (const std::optional<Borne> other = borne_out_in_another_form(family, lead)) {
-          result_.families[place_] = other->family;
-          ChosenEffect borne = other->chosen;
-          if (!take(result_.families[place_], borne)) return;
+        if (std::optional<Borne> other = borne_out_in_another_form(family, lead)) {
+          if (!take(result_.families[place_] = other->family, other->chosen)) return;
           continue;
         }
       if (may_hide_another(why, chosen))
