@@ -33,6 +33,7 @@
 #include "hil/diagnose/base/whole_recording.h"
 #include "hil/diagnose/choose/outdone.h"
 #include "hil/diagnose/choose/search.h"
+#include "hil/diagnose/raw/sent_on_change.h"
 #include "hil/model/lagged_channel.h"
 
 namespace forcegate::diagnose {
@@ -165,6 +166,17 @@ void tell_steady_line(const Workspace& w, Diagnosis& out) {
   if (std::ranges::find(out.depends_on, "time") == out.depends_on.end()) out.depends_on.emplace_back("time");
   const PrintedUnit unit = printed_unit(w.output.unit);
   out.follows.push_back(fmt::format("a line at {:.3g} Hz, {:.3g} {}, that the force does not have", line->frequency_Hz, unit.factor * line->amplitude_V, unit.name));
+}
+
+// What is left of such an output is the logger's, and no effect's.
+void tell_sent_on_change(const Workspace& w, Diagnosis& out) {
+  const std::optional<double> step_V = step_of_sent_changes(w.health);
+  if (!step_V) return;
+  if (out.verdict == DiagnosisVerdict::known) out.residual_unknown = true;
+  else out.verdict = DiagnosisVerdict::unknown;
+  if (std::ranges::find(out.depends_on, "output") == out.depends_on.end()) out.depends_on.emplace_back("output");
+  const PrintedUnit unit = printed_unit(w.output.unit);
+  out.follows.push_back(fmt::format("a logger that sends the output only when it has moved by some {:.2g} {}", unit.factor * *step_V, unit.name));
 }
 
 // A fault of the wheel's form moves sensor and reference alike: the rig's law alone shows it.
@@ -343,6 +355,7 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   tell_moving_zero(w, selection.final, out);
   if (rig_is_judged(w, search)) tell_uneven_wheel(w, search.rig, out);
   tell_steady_line(w, out);
+  tell_sent_on_change(w, out);
   tell_sharper_output(w, selection, options.threads, out);
   tell_decay(w, selection.final, options.threads, out);
   add_refused(search, out);

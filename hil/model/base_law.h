@@ -26,8 +26,8 @@ struct BaseLaw {
 /// D at `since_s` after the start of the excitation.
 double decay_factor(double since_s, double b_per_s, double q);
 
-/// Fills record.decay with the rates multiplied by the record's own factors.
-void set_decay(RecordInput& record, const BaseLaw& law, double log_b_shift = 0.0, double log_q_shift = 0.0);
+/// Fills record.decay with the rates multiplied by the record's own factors, along its clock (hil/model/decay_clock.h).
+void set_decay(RecordInput& record, const BaseLaw& law, double log_b_shift = 0.0, double log_q_shift = 0.0, double loading_share = 0.0);
 
 /// Base output of every row, volts.
 std::vector<double> base_output_V(const RecordInput& record, const BaseLaw& law);

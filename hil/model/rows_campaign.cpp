@@ -12,6 +12,7 @@
 #include "hil/model/rows.h"
 #include "hil/model/spindle.h"
 #include "hil/model/travel.h"
+#include "hil/trace/static_line.h"
 
 namespace forcegate {
 
@@ -40,11 +41,25 @@ Extremes lasting(const RecordInput& r, const std::vector<double>& x) {
   return out;
 }
 
+// Whether most of what the means of force and output over windows vary by is common to them, which noise of either is not.
+bool output_follows(const RecordInput& r) {
+  constexpr std::size_t kWindows = 24;
+  constexpr double kCommon = 0.5;
+  if (r.U_V.size() != r.rows()) return false;
+  const auto usable = static_cast<std::size_t>(std::ranges::count_if(r.ok, [](std::uint8_t ok) { return ok != 0; }));
+  PairMeans means(std::max<std::size_t>(1, usable / kWindows));
+  StaticLine line;
+  for (std::size_t i = 0; i < r.rows(); ++i)
+    if (r.ok[i] != 0 && means.push(r.U_V[i], r.F_N[i])) line.push(means.sensor_V(), means.force_N());
+  return line.n() >= kWindows && line.covariance_VN() > 0.0 &&
+         line.covariance_VN() * line.covariance_VN() > kCommon * line.variance_V2() * line.variance_N2();
+}
+
 // Its reading is resolution and noise only.
 bool stands_still(const RecordInput& r, double range_N) {
   constexpr double kNoise = 0.02, kLasting = 0.1;  // of the range
   const auto [low_N, high_N] = quantiles(r.F_N, 0.005, 0.995);
-  return high_N - low_N < kNoise * range_N && lasting(r, r.F_N).span() < kLasting * range_N;
+  return high_N - low_N < kNoise * range_N && lasting(r, r.F_N).span() < kLasting * range_N && !output_follows(r);
 }
 
 // A record that does not say belongs to the mounting of its neighbours where they agree, or where there is only one.

@@ -96,6 +96,7 @@ Structure structure_of(const ResidualChannel& channel, const std::vector<std::ve
 Remainder remainder_of(const Workspace& w, const Selection& selection, unsigned threads) {
   constexpr double kNearlyAll = 0.8;
   constexpr double kLarge = 0.01;  // how a swept record decays differs from law to law by some tenths of a per cent
+  constexpr double kPlainly = 6.0, kNotSmall = 0.003;  // times the noise: the decay of an honest record leaves five at most; of the span
   Remainder out;
   out.noise_rms = allowed_rms(w.output);
   out.explained = selection.excess_before > 0.0 ? 1.0 - selection.excess_after / selection.excess_before : 1.0;
@@ -122,7 +123,10 @@ Remainder remainder_of(const Workspace& w, const Selection& selection, unsigned 
     AboveNoise above = above_noise(residual);
     out.records_far_above = std::move(above.records);
     out.far_above = above.all;
-    out.one_far_off = above.all && !w.input.single && out.records_far_above.front().rms > kLarge;
+    if (!w.input.single && !out.records_far_above.empty()) {
+      const RecordAbove& farthest = out.records_far_above.front();
+      out.one_far_off = (above.all && farthest.rms > kLarge) || (farthest.times > kPlainly && farthest.rms > kNotSmall);
+    }
   }
   const bool far_beside_claims = !out.coloured && above_noise(out.of_claimed).all;
   out.beside_claims = (out.structured() && out.explained < kNearlyAll) || far_beside_claims;

@@ -35,7 +35,8 @@ struct Remainder {
   bool coloured = false;      ///< but noise that hangs together over time
   std::vector<RecordAbove> records_far_above;  ///< of which all forms leave more than 2.5 times what the instruments may, the farthest first
   bool far_above = false;     ///< so are all records together, or the typical one; or two with 5 times
-  bool one_far_off = false;   ///< one record, no part of a single recording, stands so far above that all do, by a hundredth of the span
+  /// One record, no part of a single recording, stands so far above that all do, by a hundredth of the span; or six times above, by 0.3 % of the span
+  bool one_far_off = false;
   bool beside_claims = false;  ///< structure remains beside what would be claimed
 
   bool structured() const { return smooth && !coloured; }

@@ -80,6 +80,16 @@ bool is_ordinary_zero(const Asked& a) {
   return (a.f.form == "as_rig_shows" && steps < kOfZero) || (a.f.form == "course_over_rig" && steps < kOfCourse);
 }
 
+bool is_ordinary_drift(const Asked& a) {
+  constexpr double kOrdinary = 1e-3;  // of the span, RMS: load cells are sold with as much
+  return a.f.effect == "reference_drift" && a.f.effect_rms > 0.0 && a.f.effect_rms < kOrdinary * a.channel.scale;
+}
+
+bool is_ordinary_creep(const Asked& a) {
+  constexpr double kOrdinary = 3e-4;  // of the span, RMS: what good load cells are sold with
+  return (a.f.effect == "creep" || a.f.effect == "self_heating") && a.f.effect_rms > 0.0 && a.f.effect_rms < kOrdinary * a.channel.scale;
+}
+
 // A dead zone shows by loads that are below its end. Where the force only rests there, its readings go below by their noise, and the output does not.
 bool is_never_below(const Asked& a) {
   constexpr double kErrors = 2.0, kFewest = 0.1;  // of the rows below it
@@ -192,6 +202,8 @@ constexpr std::pair<Cap, bool (*)(const Asked&)> kTests[] = {
     {Cap::ordinary_curve, is_ordinary_curve},
     {Cap::ordinary_codes, is_ordinary_codes},
     {Cap::ordinary_zero, is_ordinary_zero},
+    {Cap::ordinary_drift, is_ordinary_drift},
+    {Cap::ordinary_creep, is_ordinary_creep},
     {Cap::never_below, is_never_below},
     {Cap::soft_rail, is_soft_rail},
     {Cap::rising_rail, is_rising_rail},

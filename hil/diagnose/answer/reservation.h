@@ -16,6 +16,8 @@ enum class Cap {
   ordinary_curve,
   ordinary_codes,      ///< of the converter
   ordinary_zero,       ///< of the reference, from record to record
+  ordinary_drift,      ///< of the reference
+  ordinary_creep,      ///< of the reference, or of a film that warms as slowly
   never_below,         ///< the force, the end of a dead zone
   soft_rail,
   rising_rail,
@@ -49,6 +51,8 @@ inline constexpr std::array kCaps = {
     CapRow{Cap::ordinary_curve, "ordinary_curve", kWithdrawn, "honest amplifiers and references are as bent as that"},
     CapRow{Cap::ordinary_codes, "ordinary_codes", kWithdrawn, "honest converters are off their straight line by as much"},
     CapRow{Cap::ordinary_zero, "ordinary_zero", kWithdrawn, "a zero is taken to half a step of the reference before a record, and this one jumps by no more"},
+    CapRow{Cap::ordinary_drift, "ordinary_drift", kWithdrawn, "the zero of an honest reference moves by as much over a campaign"},
+    CapRow{Cap::ordinary_creep, "ordinary_creep", kWithdrawn, "load cells creep by as much themselves"},
     CapRow{Cap::never_below, "never_below", kWithdrawn, "the force is below its end by the reference's noise alone, which flattens a rest as much"},
     CapRow{Cap::soft_rail, "soft_rail", kWithdrawn, "a rail stops the output, and this hardly bends it"},
     CapRow{Cap::rising_rail, "rising_rail", kWithdrawn, "a rail stops the output at one value, and this one goes on rising with the force"},

@@ -1,5 +1,7 @@
 #include "hil/diagnose/base/base_fit.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,6 +13,7 @@
 #include "hil/diagnose/raw/record_scales.h"
 #include "hil/diagnose/raw/sample_noise.h"
 #include "hil/diagnose/workspace.h"
+#include "hil/model/decay_clock.h"
 #include "hil/model/rows.h"
 #include "hil/trace/static_line.h"
 
@@ -197,6 +200,7 @@ class BaseSearch {
     else if (w_.law.decays)
       choose_excitation(w_, rows_);
     if (const double slope = slope_at_rest(w_.input); slope != 0.0) w_.gain_V_per_N = slope;
+    start_ = {w_.shifts, w_.gain_V_per_N};
   }
 
   MixedFit with_law_that_fits() {
@@ -205,10 +209,14 @@ class BaseSearch {
   }
 
   void set_decays() {
-    parallel_for(records(), threads_, [&](std::size_t k) { set_decay(w_.input.records[k], w_.law, w_.shifts[k].log_b, w_.shifts[k].log_q); });
+    parallel_for(records(), threads_, [&](std::size_t k) { set_decay(w_.input.records[k], w_.law, w_.shifts[k].log_b, w_.shifts[k].log_q, w_.shifts[k].loading); });
   }
 
  private:
+  struct Place {
+    std::vector<RecordShift> shifts;
+    double gain_V_per_N = 0.0;
+  };
   struct Step {
     double longest = 0.5;
     Eigen::Vector2d last = Eigen::Vector2d::Zero();  // of ln b and ln q
@@ -223,18 +231,17 @@ class BaseSearch {
   MixedFit with_or_without_decay() {
     constexpr double kNats = 3.0;
     const BaseLaw decaying = w_.law;
-    const double start_gain = w_.gain_V_per_N;
-    MixedFit with = run(kRounds);
-    const auto shifts = w_.shifts;
-    const double gain = w_.gain_V_per_N;
+    MixedFit with = along_its_clock();
+    const Place found = place();
     w_.law.decays = false;
-    w_.shifts.assign(records(), {});
-    w_.gain_V_per_N = start_gain;
+    go_to({std::vector<RecordShift>(records()), start_.gain_V_per_N});
     MixedFit without = run(kRoundsAtRest);
     if (with.valid && (!without.valid || with.log_evidence >= without.log_evidence - kNats)) {
       w_.law = decaying;
-      w_.shifts = shifts;
-      w_.gain_V_per_N = gain;
+      go_to(found);
+      if (const double share = found.shifts.front().loading; share > 0.0)
+        w_.input.notes.push_back(fmt::format("the decay goes {} the loading done, not with the time alone: where the load pauses it pauses too; a model file knows the time only, so "
+                                             "the error of one law for all is larger", share < 1.0 ? "partly with" : "with"));
       return with;
     }
     w_.decays_otherwise = without.valid && own_courses_decay(w_.input, without);
@@ -242,6 +249,33 @@ class BaseSearch {
     w_.input.notes.emplace_back(w_.decays_otherwise ? "the maxima decay, and not along the law of the model: each record's own course is taken for its decay"
                                                     : "no decay of the maxima is seen: the static law alone is the starting model");
     return without;
+  }
+
+  Place place() const { return {w_.shifts, w_.gain_V_per_N}; }
+  void go_to(const Place& place) {
+    w_.shifts = place.shifts;
+    w_.gain_V_per_N = place.gain_V_per_N;
+  }
+
+  // Under even cycling there is one clock; of a load that pauses the records tell which one their decay keeps to. What another one leaves most of is
+  // no matter of the clock: a swing that comes back after a change of frequency fits each of them a little.
+  MixedFit along_its_clock() {
+    constexpr double kUneven = 0.1, kNats = 10.0, kOfError = 0.5;
+    const auto left = [](const MixedFit& fit) { return std::reduce(fit.adapted.begin(), fit.adapted.end()); };
+    MixedFit best = run(kRounds);
+    const double least = best.valid ? kOfError * left(best) : std::numeric_limits<double>::infinity();
+    if (std::ranges::none_of(w_.input.records, [](const RecordInput& r) { return r.dynamic && DecayClock(r, 1.0).unevenness() > kUneven; })) return best;
+    Place found = place();
+    for (const double share : {0.5, 1.0}) {
+      go_to(start_);
+      for (RecordShift& shift : w_.shifts) shift.loading = share;
+      const MixedFit fit = run(kRounds);
+      if (!fit.valid || !(left(fit) < least) || (best.valid && fit.log_evidence < best.log_evidence + kNats)) continue;
+      best = fit;
+      found = place();
+    }
+    go_to(found);
+    return best;
   }
 
   MixedFit run(int rounds) {
@@ -326,7 +360,8 @@ class BaseSearch {
       const double far = wanted.lpNorm<Eigen::Infinity>();
       steps_[k].last = wanted * std::min(1.0, steps_[k].longest / std::max(far, 1e-300));
       longest = std::max(longest, far);
-      shift = {within(shift.log_b + steps_[k].last[0]), within(shift.log_q + steps_[k].last[1])};
+      shift.log_b = within(shift.log_b + steps_[k].last[0]);
+      shift.log_q = within(shift.log_q + steps_[k].last[1]);
     }
     const double gain = std::clamp(fit.coefficient[0], kLeastGain, kMostGain);
     w_.gain_V_per_N *= gain;
@@ -337,6 +372,7 @@ class BaseSearch {
   unsigned threads_;
   const std::vector<Candidate>& beside_;
   std::vector<std::vector<std::size_t>> rows_;  // that are fitted, of each record
+  Place start_;
   std::vector<Step> steps_;                     // of each record
   std::vector<Eigen::MatrixXd> S_;              // of `beside`
   int width_ = 0;                               // columns of S
@@ -349,7 +385,7 @@ void fit_base(Workspace& w, unsigned threads, const std::vector<Candidate>& besi
   search.start();
   const MixedFit chosen = search.with_law_that_fits();
   search.set_decays();
-  if (chosen.valid) parallel_for(w.input.records.size(), threads, [&](std::size_t k) { follow_course(chosen, k, w.input.records[k]); });
+  if (chosen.valid) parallel_for(w.input.records.size(), threads, [&](std::size_t k) { follow_course(chosen, k, w.shifts[k].loading, w.input.records[k]); });
   set_noise(w, threads);
 }
 

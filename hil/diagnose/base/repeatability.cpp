@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "hil/model/decay_clock.h"
 #include "hil/model/states.h"
 
 namespace forcegate::diagnose {
@@ -109,10 +110,11 @@ Eigen::MatrixXd repeatability_columns(const Workspace& w, std::size_t index,
   const double g = w.gain_V_per_N / w.input.U_range_V;
   const double b = w.law.decay_rate_per_s(r.f_Hz) * std::exp(w.shifts[index].log_b);
   const double q = w.law.depth_ratio(r.A_N) * std::exp(w.shifts[index].log_q);
+  const DecayClock clock(r, w.shifts[index].loading);
   for (std::size_t j = 0; j < rows.size(); ++j) {
     const std::size_t i = rows[j];
     const auto row = static_cast<Eigen::Index>(j);
-    const double since = r.t_s[i] - r.onset_s, swing = r.F_N[i] - r.F_min_N;
+    const double since = clock(i), swing = r.F_N[i] - r.F_min_N;
     const bool decays = r.dynamic && w.law.decays && since > 0.0;
     const double e = decays ? std::exp(-b * since) : 1.0, D = decays ? (e + q) / (1.0 + q) : 1.0;
     Z(row, 0) = g * (r.F_min_N + D * swing);
@@ -160,12 +162,13 @@ double wander_range_of(const MixedFit& fit, std::size_t k) {
   return high - low;
 }
 
-void follow_course(const MixedFit& fit, std::size_t k, RecordInput& r) {
+void follow_course(const MixedFit& fit, std::size_t k, double loading_share, RecordInput& r) {
   constexpr double kLeastGain = 0.1;
   const double gain = fit.coefficient[0] + fit.zeta[k][0], swing = fit.coefficient[kSwing] + fit.zeta[k][kSwing];
   if (!r.dynamic || !(gain > kLeastGain)) return;
+  const DecayClock clock(r, loading_share);
   for (std::size_t i = 0; i < r.rows(); ++i)
-    if (const double since_s = r.t_s[i] - r.onset_s; since_s > 0.0)
+    if (const double since_s = clock(i); since_s > 0.0)
       r.decay[i] = std::max(0.0, ((gain + swing) * r.decay[i] + bend_of(fit, k, since_s)) / gain);
 }
 

@@ -38,6 +38,6 @@ double wander_on_rows(const ResidualChannel& channel, const MixedFit& fit, std::
 double wander_range_of(const MixedFit& fit, std::size_t k);
 /// Multiplies the swing of record `k` of the fit as that fit does: D(t) by the law (in record.decay), a swing of its own size, and the bend of its course
 /// away from one exponential, all over its gain. What a lag or a shift in time adds decays as the signal does.
-void follow_course(const MixedFit& fit, std::size_t k, RecordInput& record);
+void follow_course(const MixedFit& fit, std::size_t k, double loading_share, RecordInput& record);
 
 }  // namespace forcegate::diagnose

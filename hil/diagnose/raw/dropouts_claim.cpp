@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <string>
 
+#include "hil/diagnose/raw/sent_on_change.h"
+
 namespace forcegate::diagnose {
 
 namespace {
@@ -92,6 +94,7 @@ std::optional<HealthClaim> claim_of_dropouts(const std::vector<RecordHealth>& he
                                              bool missing_codes) {
   if (auto missing = claim_of_missing(totals)) return missing;
   if (auto repeated = claim_of_repeated(totals)) return repeated;
+  if (step_of_sent_changes(health)) return std::nullopt;
   const bool plain_silence = !missing_codes && is_plain_silence(totals);
   const bool plain_holds = !missing_codes && are_plain_holds(health, totals, scales);
   const double lost = totals.held + (plain_silence ? totals.silent : 0.0) + totals.zeros;

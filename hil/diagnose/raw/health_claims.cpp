@@ -15,6 +15,7 @@
 #include "hil/diagnose/raw/hum_claim.h"
 #include "hil/diagnose/raw/outliers_claim.h"
 #include "hil/diagnose/raw/reference_noise_claim.h"
+#include "hil/diagnose/raw/sent_on_change.h"
 
 namespace forcegate::diagnose {
 
@@ -58,6 +59,7 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
     // a sample on the other side of a gap stands off its neighbours too
     totals.at_rail = totals.outliers = totals.bit_errors = 0.0;
   }
+  if (step_of_sent_changes(health)) totals.at_rail = 0.0;  // the highest value is held as the others are
   add(claim_of_bit_errors(totals, scales));
   add(claim_of_outliers(health, totals, scales));
   std::optional<HealthClaim> dropouts = claim_of_dropouts(health, totals, scales, codes.found);

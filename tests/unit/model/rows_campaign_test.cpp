@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -37,6 +39,23 @@ TEST(Mounting, IsThatOfTheNeighboursWhereARecordDoesNotSay) {
   EXPECT_EQ(numbered({"", "a", "b"}), (std::vector<int>{2, 0, 0, 1}));
   EXPECT_EQ(numbered({"a", "", "b"}).front(), 0);
   EXPECT_EQ(numbered({"", "", ""}).front(), 0);
+}
+
+// A load of 1 % of the range, or what the reference makes of one.
+TEST(StandingForce, IsOneThatTheOutputDoesNotFollow) {
+  const auto moves = [](double load_N, double seen_N) {
+    Campaign c = test::campaign([](double, double F) { return 2.0 * F - 0.2; });
+    c.records.push_back(test::record("still", "rest", 60, 2000, [=](double t) { return 0.5 + load_N * std::sin(0.2 * t); }, [](double, double F) { return 2.0 * F - 0.2; }));
+    auto& F = c.records.back().trace.find("F_ref")->value;
+    for (std::size_t i = 0; i < F.size(); ++i) F[i] += seen_N * std::sin(0.001 * static_cast<double>(i));
+    auto made = make_campaign_input(c);
+    EXPECT_TRUE(made.has_value());
+    const std::vector<double>& rows = made->records.back().F_N;
+    return *std::ranges::max_element(rows) > *std::ranges::min_element(rows);
+  };
+  EXPECT_TRUE(moves(0.03, 0.0));
+  EXPECT_FALSE(moves(0.0, 0.03));
+  EXPECT_TRUE(moves(0.0, 0.3)) << "far beyond what stands still";
 }
 
 TEST(MissingFacts, OfSomeRecordsAreTold) {

@@ -59,6 +59,26 @@ TEST(Reservation, SpikesNoLargerThanTheStepsOfTheCodesAreTheirs) {
   EXPECT_EQ(spikes_beside_codes(0.8), 0.95);
 }
 
+// What is found of `effect` where it makes `share` of the span.
+double beside_honest_cells(const char* effect, double share) {
+  Workspace w;
+  ResidualChannel channel;
+  channel.scale = 5.0;
+  Finding f;
+  f.effect = effect, f.probability = 0.9;
+  f.effect_rms = share * channel.scale;
+  reserve(w, channel, {}, f);
+  return f.probability;
+}
+
+TEST(Reservation, HonestLoadCellsDriftAndCreepALittle) {
+  for (const auto& [effect, ordinary] : {std::pair{"reference_drift", 8e-4}, {"creep", 2.5e-4}, {"self_heating", 2.5e-4}}) {
+    EXPECT_LT(beside_honest_cells(effect, ordinary), 0.5) << effect;
+    EXPECT_EQ(beside_honest_cells(effect, 2.0 * ordinary), 0.9) << effect;
+    EXPECT_EQ(beside_honest_cells(effect, 0.0), 0.9) << "nobody said how large";
+  }
+}
+
 // Corners that take `each` of the slope, one above the other.
 double rail_of(std::vector<double> each) {
   Workspace w;

@@ -14,6 +14,40 @@ TEST(LostSamples, AFallToZeroThatTheForceDoesNotExplainIsLostSamples) {
   EXPECT_GT(check_raw_health(c.records[3], health_scales(c), c.bench).zeros, 100u);
 }
 
+enum class Holds { until_it_moves_by_a_step, for_a_time };
+
+// A load of many speeds, and a link that holds the output.
+Campaign held_by_link(Holds how) {
+  constexpr double kStep_V = 0.25;
+  Campaign c = make_campaign(43, straight);
+  for (const std::size_t k : {0u, 3u, 4u, 7u}) {
+    const std::vector<double>& t_s = c.records[k].trace.time_bases[0].t_s;
+    auto &F = c.records[k].trace.find("F_ref")->value, &U = c.records[k].trace.find("U")->value;
+    double sent_V = -1.0;
+    for (std::size_t i = 0; i < U.size(); ++i) {
+      F[i] = 2.2 + 1.9 * std::sin(6.0 * t_s[i]) * std::sin(0.07 * t_s[i]);
+      const double now_V = 2.0 * F[i] + 0.2;
+      if (how == Holds::for_a_time ? i % 300 < 2 || i % 300 > 40 : std::abs(now_V - sent_V) >= kStep_V) sent_V = now_V;
+      U[i] = sent_V;
+    }
+  }
+  return c;
+}
+
+// Nothing is lost between two values that a logger sends because they differ by a step: each stands for as long as the force needs for one.
+TEST(LostSamples, ALoggerThatSendsChangesOnlyLosesNone) {
+  const auto says_lost = [](const Campaign& c) {
+    return std::ranges::any_of(claims_of_samples(c), [](const HealthClaim& claim) { return claim.effect == "dropouts"; });
+  };
+  const Campaign logger = held_by_link(Holds::until_it_moves_by_a_step);
+  EXPECT_GT(check_raw_health(logger.records[0], health_scales(logger), logger.bench).runs.size(), 20u) << "they are seen";
+  EXPECT_FALSE(says_lost(logger));
+  const Diagnosis d = answer(logger);
+  EXPECT_NE(d.verdict, DiagnosisVerdict::none) << told(d);
+  EXPECT_TRUE(std::ranges::any_of(d.follows, [](const std::string& what) { return what.find("only when it has moved") != std::string::npos; })) << told(d);
+  EXPECT_TRUE(says_lost(held_by_link(Holds::for_a_time)));
+}
+
 TEST(LostSamples, ALostSampleOfTheReferenceHidesNoHeldOutput) {
   const auto held = [](bool one_lost) {
     Campaign c = make_campaign(35, straight);
