@@ -96,7 +96,10 @@ std::optional<ExportOffer> export_offer(const std::string& model, const Campaign
     request.fit.reset();
     if (refit) request.fit = *campaign;
     const Result<ExportResult> made = export_model(request);
-    if (!made) continue;
+    if (!made) {
+      offer.check = refit && made.error().text == diagnose::kEffectsOfNoUse;
+      continue;
+    }
     if (offer.plan || campaign == nullptr) return offer;
     // made again: one that runs fast enough for its lags at 1000 Hz may not at 20 Hz
     double recorded_Hz = made->recorded_Hz;

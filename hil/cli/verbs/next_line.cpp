@@ -33,6 +33,10 @@ std::optional<std::string> export_line(const Invocation& in, const std::string& 
   if (!offer || (shipped && !offer->refit)) return std::nullopt;
   std::string out = "forcegate export " + (model.empty() ? "flexiforce" : shell_quoted(model));
   if (offer->refit) out += " --fit " + campaign_words(in, campaign);
+  if (offer->check) {
+    out += " --check " + campaign_words(in, campaign);
+    in.console().note(std::string("export --fit is not offered: ") + diagnose::kEffectsOfNoUse + "; what a header of the model as it stands does to these records is checked");
+  }
   if (shipped) out += " -o model.toml";
   if (!offer->plan) out += " --plan none";
   if (offer->rate_Hz > 0.0) out += fmt::format(" --rate {:.6g}", offer->rate_Hz);
