@@ -7,6 +7,7 @@
 #include "hil/app/diagnose/diagnose.h"
 #include "hil/app/export/recorded_rate.h"
 #include "hil/app/files/find_plan.h"
+#include "hil/trace/clock_unit.h"
 
 namespace forcegate {
 namespace {
@@ -38,6 +39,8 @@ bool is_of_no_use_yet(const Diagnosis& d) {
 }
 
 }  // namespace
+
+std::string map_of_doubtful_clock(const Diagnosis& d) { return map_of_clock(d.notes); }
 
 bool leads_to_add(const Diagnosis& d, const std::string& effect) {
   const Finding* first = worth_adding(d);

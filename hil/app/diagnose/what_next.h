@@ -48,6 +48,9 @@ struct Standing {
 
 WhatNext after_diagnosis(const Diagnosis& diagnosis, const Standing& standing);
 
+/// "--map time=t_us" where a clock without a unit was taken for seconds that are hardly meant: what would be built on it waits. "": none was.
+std::string map_of_doubtful_clock(const Diagnosis& diagnosis);
+
 /// Whether this answer would have the effect added: where `add` has just refused it, the chain would go round.
 bool leads_to_add(const Diagnosis& diagnosis, const std::string& effect);
 

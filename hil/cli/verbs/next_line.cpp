@@ -47,6 +47,8 @@ std::string line_after_diagnosis(const Invocation& in, const Diagnosis& d, const
   // a model that the sensor's name chose is named, for not every verb sees the campaign
   const std::string model = about.model.empty() && is_shipped_model(d.model) && d.model != "flexiforce" ? d.model : about.model;
   const std::string words = campaign_words(in, about.campaign), both = words + with_model(model);
+  // what would be built on such a clock is asked first: seconds are said by --map too
+  if (const std::string map = map_of_doubtful_clock(d); !map.empty()) return "forcegate diagnose " + both + " " + map;
   std::optional<std::string> exported;
   Standing standing{.page = about.page, .model_file = !is_shipped_model(model), .experiment = about.experiment};
   standing.in_model = effects_of(model);

@@ -227,29 +227,6 @@ TEST(Runner, an_unsound_reference_takes_the_record_out_of_judgement) {
   for (const JudgedCheck& j : judged.checks) EXPECT_NE(j.check.verdict, Verdict::fail) << j.check.id;
 }
 
-// An ATI on a wire gives no value in overload, the emulated one its last: whose the overload is does not hang on that.
-TEST(Runner, an_overload_is_the_builds_that_drove_the_loop_there_and_else_the_references_with_a_value_or_without) {
-  for (const bool with_value : {true, false})
-    for (const bool driven : {true, false}) {
-      Bench s;
-      s.close_loop();
-      s.job.safety.force_max_N = s.plan.safety.force_max_N = 4.0;
-      s.rig.spoil = [=](std::size_t row, double t_s, RigBlock& b) {
-        if (driven ? b.force_ref_N[row] < 3.7f : !(t_s > 25.0 && t_s < 25.1)) return;
-        b.status[row] |= kRigReferenceSaturated;
-        if (!with_value) b.force_ref_N[row] = std::nanf("");
-      };
-      if (driven)
-        s.dut.spoil = [](std::uint32_t index, float& force_N, std::uint8_t&) {
-          if (index > 20000) force_N = 0.5f;
-        };
-      const JudgedCase judged = s.judge(s.run());
-      const Check& valid = *find(judged, "rig_reference_valid");
-      EXPECT_EQ(valid.verdict, driven ? Verdict::pass : Verdict::rig_error) << with_value << driven << valid.evidence;
-      EXPECT_EQ(valid.evidence.find("the build drove the force there") != std::string::npos, driven) << with_value << valid.evidence;
-    }
-}
-
 TEST(Runner, charges_a_build_that_drives_the_loop_into_the_force_limit) {
   Bench s;
   s.close_loop();
