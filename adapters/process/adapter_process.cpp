@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kFarewell_s = 0.5;
 constexpr double kLook_s = 0.05;
+constexpr std::string_view kOpen = "open";
 
 std::filesystem::path folder_of_bench(const ConfigNode& table) {
   return std::filesystem::absolute(table.file).parent_path();
@@ -86,7 +87,7 @@ Result<DeviceIdentity> AdapterProcess::open(bool exclusive) {
   started_before_ = true;
   pending_.clear();
   clock_.clear();
-  FORCEGATE_TRY(const Reply reply, exchange("open", fields, options_.start_timeout_s));
+  FORCEGATE_TRY(const Reply reply, exchange(kOpen, fields, options_.start_timeout_s));
   const auto text = [&](const char* key) {
     const auto at = reply.text.find(key);
     return at != reply.text.end() ? at->second : std::string();
@@ -142,7 +143,7 @@ Result<Reply> AdapterProcess::exchange(std::string_view verb, const Fields& fiel
                   "an answer repeats the id of its request (docs/adapters.md)");
     if (Clock::now() >= end)
       return fail(ErrorCode::timeout, "the adapter's program does not answer '" + std::string(verb) + "'",
-                  where(), "look whether its instrument is on, or raise reply_timeout_ms");
+                  where(), fmt::format("look whether its instrument is on, or raise {} ({:.0f})", verb == kOpen ? "start_timeout_ms" : "reply_timeout_ms", 1e3 * timeout_s));
     std::uint8_t bytes[4096];
     const double left_s = std::chrono::duration<double>(end - Clock::now()).count();
     const auto n = line_->read(bytes, std::max(0.001, std::min(kLook_s, left_s)));

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/base/evenly_chosen.h"
+
 namespace forcegate {
 namespace {
 
@@ -29,10 +31,9 @@ std::optional<CapacitanceCurve> capacitance_curve(const CampaignInput& campaign)
   constexpr double kPico = 1e12;
   for (const RecordInput& r : campaign.records) {
     if (r.C_F.empty()) continue;
-    const std::size_t stride = std::max<std::size_t>(1, r.rows() / kRowsPerRecord);
-    std::size_t seen = 0;
+    EvenlyChosen choice(r.rows(), kRowsPerRecord);
     for (std::size_t i = 0; i < r.rows(); ++i) {
-      if (r.ok[i] == 0 || !std::isfinite(r.C_F[i]) || seen++ % stride != 0) continue;
+      if (r.ok[i] == 0 || !std::isfinite(r.C_F[i]) || !choice.next()) continue;
       const double x = (r.F_N[i] - campaign.lowest_N) / campaign.range_N;
       const Eigen::Vector3d row(1.0, x, x * x);
       A += row * row.transpose();

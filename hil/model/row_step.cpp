@@ -9,6 +9,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "hil/base/evenly_chosen.h"
 #include "hil/trace/row_length.h"
 
 namespace forcegate {
@@ -55,13 +56,15 @@ std::vector<double> within_rows(std::span<const double> x, std::size_t samples) 
 // it does not follow, however its samples hang together; a wide band hangs together hardly more than noise.
 double share_that_output_follows(std::span<const double> force, std::span<const double> output, std::size_t samples) {
   constexpr std::size_t kEarlier = 2, kTaps = 9, kMost = 50000;
-  const std::size_t n = std::min(force.size(), output.size()), stride = 1 + n / kMost;
+  const std::size_t n = std::min(force.size(), output.size());
   const std::vector<double> F = within_rows(force.first(n), samples), U = within_rows(output.first(n), samples);
   using Taps = Eigen::Matrix<double, kTaps, 1>;
   Eigen::Matrix<double, kTaps, kTaps> FF = Eigen::Matrix<double, kTaps, kTaps>::Zero();
   Taps FU = Taps::Zero();
   double UU = 0.0, within = 0.0, sum = 0.0, square = 0.0, rows = 0.0;
-  for (std::size_t i = kTaps; i + kEarlier < n; i += stride) {
+  EvenlyChosen choice(n, kMost);
+  for (std::size_t i = kTaps; i + kEarlier < n; ++i) {
+    if (!choice.next()) continue;
     Taps taps;
     for (std::size_t k = 0; k < kTaps; ++k) taps(static_cast<Eigen::Index>(k)) = F[i + kEarlier - k];
     if (!std::isfinite(taps.sum() + U[i])) continue;

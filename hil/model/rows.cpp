@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "hil/base/evenly_chosen.h"
 #include "hil/base/quantile.h"
 #include "hil/base/text.h"
 #include "hil/model/states.h"
@@ -50,9 +51,12 @@ constexpr std::size_t kSteps = 4;  // over which rounded stamps of a uniform clo
 double median_step(const std::vector<double>& t) {
   constexpr double kRounded = 0.1;
   std::vector<double> steps, means;
-  const std::size_t stride = std::max<std::size_t>(1, t.size() / 5000);
-  for (std::size_t i = 1; i < t.size(); i += stride) steps.push_back(t[i] - t[i - 1]);
-  for (std::size_t i = kSteps; i < t.size(); i += stride) means.push_back((t[i] - t[i - kSteps]) / static_cast<double>(kSteps));
+  EvenlyChosen choice(t.size(), 5000);
+  for (std::size_t i = 1; i < t.size(); ++i) {
+    if (!choice.next()) continue;
+    steps.push_back(t[i] - t[i - 1]);
+    if (i >= kSteps) means.push_back((t[i] - t[i - kSteps]) / static_cast<double>(kSteps));
+  }
   if (steps.empty()) return 1.0;
   const double step = quantile(std::move(steps), 0.5), mean = quantile(std::move(means), 0.5);
   return std::abs(mean - step) > kRounded * step ? mean : step;

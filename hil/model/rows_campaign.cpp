@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "hil/base/evenly_chosen.h"
 #include "hil/base/largest_first.h"
 #include "hil/base/quantile.h"
 #include "hil/base/some_of.h"
@@ -161,11 +162,9 @@ struct Rows {
 Rows thinned(const std::vector<RecordInput>& records) {
   Rows out;
   for (const RecordInput& r : records) {
-    // every so many of the usable rows: a stride over all of them may meet those alone where a sample is missing
-    const std::size_t stride = std::max<std::size_t>(1, r.rows() / 4000);
-    std::size_t seen = 0;
+    EvenlyChosen choice(r.rows(), 4000);
     for (std::size_t i = 0; i < r.rows(); ++i)
-      if (r.ok[i] != 0 && seen++ % stride == 0) {
+      if (r.ok[i] != 0 && choice.next()) {
         out.F_N.push_back(r.F_N[i]);
         out.U_V.push_back(r.U_V[i]);
       }

@@ -38,7 +38,7 @@ std::string section(const Diagnosis& view, const AddedEffect& added, const Recor
 std::string added_html(const Diagnosis& view, const AddedEffect& added, DiagnosisPage page) {
   const bool falls = added.is_needed;
   page.lead = PageLead{
-      .headline = falls ? added.effect + " added to the model of " + view.campaign : added.effect + " is not needed for " + view.campaign,
+      .headline = falls ? added.effect + " added to the model of " + view.campaign : added.effect + (added.helps_one_law ? " lowers the error of one law for all records alone in " : " is not needed for ") + view.campaign,
       .why = error_title(view.judged_by) + " " + in_unit(added.error_before, added.unit) + (falls ? " falls to " : " does not fall: ") +
              in_unit(added.error_after, added.unit),
       .colour = falls ? "ok" : "wa",

@@ -16,6 +16,7 @@ struct AddedEffect {
   };
   std::string effect;
   bool is_needed = true;  ///< the error falls
+  bool helps_one_law = false;  ///< it does not, and that of one gain, zero and decay for all records does, plainly
   double error_before = 0.0, error_after = 0.0, floor = 0.0;  ///< as `add` prints them
   std::string unit;
   std::vector<figures::WaterfallStep> steps;  ///< effects of the model in their order, this one last

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 
+#include "hil/base/evenly_chosen.h"
 #include "hil/base/quantile.h"
 
 namespace forcegate {
@@ -16,7 +17,9 @@ constexpr std::size_t kFewestBursts = 8;
 bool most_steps_are_short(const std::vector<double>& t, double short_s) {
   constexpr std::size_t kMost = 4096;
   std::size_t n = 0, counted = 0;
-  for (std::size_t i = 1, stride = t.size() / kMost + 1; i < t.size(); i += stride, ++counted) n += t[i] - t[i - 1] < short_s;
+  EvenlyChosen choice(t.size(), kMost);
+  for (std::size_t i = 1; i < t.size(); ++i)
+    if (choice.next()) ++counted, n += t[i] - t[i - 1] < short_s;
   return static_cast<double>(n) >= kMostShort * static_cast<double>(counted);
 }
 

@@ -39,6 +39,9 @@ double typical_step(const std::vector<double>& stamps) {
   return steps.empty() ? 0.0 : median(std::move(steps));
 }
 
+constexpr const char* kHardlyMeant = ", which is hardly meant";
+constexpr const char* kOfSeconds = " (seconds: ";
+
 std::string map_to(const std::string& column, const std::string& unit) { return "--map " + shell_quoted(column + "=t_" + unit); }
 
 }  // namespace
@@ -46,6 +49,7 @@ std::string map_to(const std::string& column, const std::string& unit) { return 
 Result<ClockUnit> unit_of_clock(const std::vector<double>& stamps, const std::string& column, bool assumed, double declared_rate_Hz, const std::string& where) {
   constexpr double kBeyondDates_s = 1e11, kFirst_s = 946684800.0, kLast_s = 4102444800.0;  // the years 5138, 2000, 2100
   constexpr double kFewestApart = 2.0, kAgrees = 1.25;
+  constexpr double kHardly_s = 1e3;
   constexpr double kDense_s = 1e-3, kTooDense_s = 2e-5;
   const auto found = std::ranges::find_if(stamps, [](double t) { return std::isfinite(t); });
   const double first = found != stamps.end() ? *found : 0.0;
@@ -74,12 +78,21 @@ Result<ClockUnit> unit_of_clock(const std::vector<double>& stamps, const std::st
         return ClockUnit{unit.factor, fmt::format("the clock \"{}\" was read as {}, which agrees with {} Hz", column, unit.name,
                                                   shortest(declared_rate_Hz))};
     const Fraction& likely = step < 2e3 ? kFractions[0] : step < 2e6 ? kFractions[1] : kFractions[2];
-    return ClockUnit{1.0, fmt::format("the clock \"{}\" was taken for seconds, a sample every {} s; if it counts {}: {} (seconds: {})",
-                                      column, plain_number(step), likely.name, map_to(column, likely.symbol), map_to(column, "s"))};
+    return ClockUnit{1.0, fmt::format("the clock \"{}\" was taken for seconds, a sample every {} s{}; if it counts {}: {}{}{})",
+                                      column, plain_number(step), step >= kHardly_s ? kHardlyMeant : "", likely.name, map_to(column, likely.symbol), kOfSeconds,
+                                      map_to(column, "s"))};
   }
   if ((in_days && step > 0.0 && step < (assumed ? kDense_s : kTooDense_s)) || (of_one_day && step > 0.0 && step < kTooDense_s))
     return ClockUnit{1.0, fmt::format("the clock \"{}\" was taken for seconds; if it counts days, as a spreadsheet does: {}", column, map_to(column, "days"))};
   return ClockUnit{};
+}
+
+std::string map_of_clock(const std::vector<std::string>& notes) {
+  for (const std::string& note : notes) {
+    const std::size_t said = note.find(kHardlyMeant), map = note.find("--map ", said == std::string::npos ? note.size() : said), end = note.rfind(kOfSeconds);
+    if (map < end && end != std::string::npos) return note.substr(map, end - map);
+  }
+  return {};
 }
 
 bool may_count_days(const std::vector<double>& stamps) {

@@ -19,6 +19,9 @@ struct ClockUnit {
 /// a date of this century, less than a millisecond apart (20 microseconds where they were called seconds), are noted.
 Result<ClockUnit> unit_of_clock(const std::vector<double>& stamps, const std::string& column, bool assumed, double declared_rate_Hz, const std::string& where);
 
+/// "--map time=t_us" out of the first note of a clock without a unit that as seconds would have a sample every 1000 s or more; "": none is.
+std::string map_of_clock(const std::vector<std::string>& notes);
+
 /// Whether a spreadsheet would show every one of the numbers as a date between 2000 and 2100, and they lie less than a thousandth of a day apart.
 bool may_count_days(const std::vector<double>& stamps);
 

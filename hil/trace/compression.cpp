@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "hil/base/evenly_chosen.h"
 #include "hil/base/parallel.h"
 #include "hil/base/quantile.h"
 
@@ -25,9 +26,9 @@ std::array<double, 2> ends_of(const Channel& force) {
   constexpr std::size_t kLookedAt = 10000;
   constexpr double kRare = 0.01;
   std::vector<double> seen;
-  const std::size_t step = std::max<std::size_t>(1, force.value.size() / kLookedAt);
-  for (std::size_t i = 0; i < force.value.size(); i += step)
-    if (std::isfinite(force.value[i])) seen.push_back(force.value[i]);
+  EvenlyChosen choice(force.value.size(), kLookedAt);
+  for (const double F : force.value)
+    if (choice.next() && std::isfinite(F)) seen.push_back(F);
   if (seen.empty()) return kNone;
   return quantiles(std::move(seen), kRare, 1.0 - kRare);
 }

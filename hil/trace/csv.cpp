@@ -216,14 +216,12 @@ bool is_word_for_nothing(double v) {
   return size == 999.0 || size == 9999.0 || size == 99999.0 || size == 999999.0;
 }
 
-/// Lowest and highest sample, where more than a thousandth of some thousands lie beyond +-`limit`.
+/// Lowest and highest sample, where more than a thousandth of them lie beyond +-`limit`.
 std::optional<std::pair<double, double>> beyond(const Channel* channel, const char* unit, double limit) {
   if (channel == nullptr || channel->unit != unit) return std::nullopt;
-  constexpr std::size_t kMost = 8192;
   const std::vector<double>& values = channel->value;
-  std::size_t seen = 0, far = 0;
-  for (std::size_t i = 0; i < values.size(); i += values.size() / kMost + 1) ++seen, far += std::fabs(values[i]) > limit && !is_word_for_nothing(values[i]);
-  if (far * 1000 <= seen) return std::nullopt;
+  const auto far = std::ranges::count_if(values, [&](double v) { return std::fabs(v) > limit && !is_word_for_nothing(v); });
+  if (static_cast<std::size_t>(far) * 1000 <= values.size()) return std::nullopt;
   double low = HUGE_VAL, high = -HUGE_VAL;
   for (const double v : values)
     if (!std::isnan(v) && !is_word_for_nothing(v)) low = std::min(low, v), high = std::max(high, v);

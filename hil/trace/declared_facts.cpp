@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "hil/base/evenly_chosen.h"
 #include "hil/base/plain_number.h"
 #include "hil/base/text.h"
 #include "hil/trace/extrema.h"
@@ -55,11 +56,12 @@ Cycles cycles_of(const Trace& trace) {
   if (force == nullptr || force->time_base >= trace.time_bases.size()) return out;
   const std::vector<double>&F_N = force->value, &t_s = trace.time_bases[force->time_base].t_s;
   std::vector<double> some;
-  for (std::size_t i = 0, seen = 0, stride = F_N.size() / kMost + 1; i < F_N.size(); ++i) {
-    if (!std::isfinite(F_N[i])) continue;
-    out.low_N = std::fmin(out.low_N, F_N[i]);
-    out.high_N = std::fmax(out.high_N, F_N[i]);
-    if (seen++ % stride == 0) some.push_back(F_N[i]);
+  EvenlyChosen choice(F_N.size(), kMost);
+  for (const double F : F_N) {
+    if (!std::isfinite(F)) continue;
+    out.low_N = std::fmin(out.low_N, F);
+    out.high_N = std::fmax(out.high_N, F);
+    if (choice.next()) some.push_back(F);
   }
   if (some.empty() || t_s.size() != F_N.size()) return out;
   const std::vector<Extremum> turns = turning_points(t_s, F_N, kProminence * (quantile_of(some, 1.0 - kTail) - quantile_of(some, kTail)));

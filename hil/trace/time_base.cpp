@@ -6,15 +6,17 @@
 
 #include <fmt/format.h>
 
+#include "hil/base/evenly_chosen.h"
 #include "hil/base/quantile.h"
 
 namespace forcegate {
 namespace {
 
 double median_step(const std::vector<double>& t) {
-  const std::size_t n = t.size() - 1, stride = std::max<std::size_t>(1, n / 4096);
+  EvenlyChosen choice(t.size() - 1, 4096);
   std::vector<double> steps;
-  for (std::size_t i = 0; i < n; i += stride) steps.push_back(t[i + 1] - t[i]);
+  for (std::size_t i = 1; i < t.size(); ++i)
+    if (choice.next()) steps.push_back(t[i] - t[i - 1]);
   return median(std::move(steps));
 }
 
@@ -45,7 +47,9 @@ double jitter_of(const std::vector<double>& t, double step) {
   constexpr std::size_t kMost = 8192;
   if (t.size() < 3 || is_rounded(t, step)) return 0.0;
   std::vector<double> second;
-  for (std::size_t i = 1, stride = t.size() / kMost + 1; i + 1 < t.size(); i += stride) second.push_back(std::fabs(t[i + 1] - 2.0 * t[i] + t[i - 1]));
+  EvenlyChosen choice(t.size(), kMost);
+  for (std::size_t i = 1; i + 1 < t.size(); ++i)
+    if (choice.next()) second.push_back(std::fabs(t[i + 1] - 2.0 * t[i] + t[i - 1]));
   return deviation_of_magnitudes(std::move(second)) / std::sqrt(6.0) / step;
 }
 

@@ -91,6 +91,8 @@ TEST_F(JsonPage, NamesEveryKeyOfGateAndLeague) {
   const Json revealed = answer({"reveal", "hidden", "--effect", "creep"});
   told("reveal", revealed, 4);
   EXPECT_FALSE(revealed["truth"]["effects"].empty());
+  EXPECT_FALSE(revealed["truth"]["conditions"].empty());
+  expect_named(section_of(page, "reveal"), revealed["truth"]["conditions"], "reveal.truth.conditions");
   std::string table = "f_Hz,A_N,b\n";
   for (int i = 1; i < 25; ++i) table += std::to_string(0.1 * i) + "," + std::to_string(0.5 + 0.07 * ((i * 7) % 11)) + "," + std::to_string(0.004 + 0.003 * 0.1 * i + 1e-5 * ((i * 5) % 7)) + "\n";
   write_text(folder / "table.csv", table);
@@ -100,6 +102,19 @@ TEST_F(JsonPage, NamesEveryKeyOfGateAndLeague) {
   told("stimulus", answer({"stimulus", "sine", "f_Hz=0.5", "A_N=1", "m_N=2"}), 14);
   told("bench list and doctor", answer({"bench", "list"}), 2);
   told("bench list and doctor", answer({"doctor"}), 3);
+}
+
+TEST_F(JsonPage, NamesEveryKeyOfABench) {
+  const std::string twin = FORCEGATE_SOURCE_DIR "/rigs/twin.toml";
+  told("bench list and doctor", answer({"bench", "doctor", twin}), 3);
+  const std::string others = "bench scan, who, park, reset, jog, specimens and serve";
+  told(others, answer({"bench", "scan"}), 2);
+  told(others, answer({"bench", "who", twin}), 2);
+  Json fit = answer({"bench", "selfcheck", FORCEGATE_BINARY_DIR "/firmware/reference.native.so", "--history", "visits.jsonl"});
+  EXPECT_FALSE(fit["charts"].empty());
+  EXPECT_FALSE(fit["values"].empty());
+  fit["values"].clear();  // their names are those of the checks
+  told("bench selfcheck", fit, 8);
 }
 
 TEST_F(JsonPage, NamesEveryKeyOfACharacterisation) {

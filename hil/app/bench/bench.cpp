@@ -38,16 +38,6 @@ std::string who(const std::map<std::string, std::string>& details, const char* d
   return join(parts, ", ") + (details.contains(std::string(device) + " serial is that of") ? " (by the bench file)" : "");
 }
 
-// Records that came and were not taken say where to look.
-Result<void> no_reading(const std::map<std::string, std::uint64_t>& counts) {
-  std::vector<std::string> refused;
-  for (const auto& [name, n] : counts)
-    if (n > 0) refused.push_back(std::to_string(n) + " " + name);
-  if (refused.empty()) return fail(ErrorCode::timeout, "no record within 0.1 s", "reference", "look at the controller's display");
-  return fail(ErrorCode::device, "no record within 0.1 s that can be believed: " + join(refused, ", "), "reference",
-              "check scale, units and wiring: counts_per_force, units and force_max_N of [reference]");
-}
-
 bool is_valid(const ReferenceReading& r) { return r.status == 0 && std::isfinite(r.force_N); }
 
 // Readings that came and of which none says a force.
@@ -115,6 +105,17 @@ std::vector<BenchRow> list_benches(const std::vector<fs::path>& files) {
   return rows;
 }
 
+Result<void> no_reading(const std::map<std::string, std::uint64_t>& counts, const std::string& adapter) {
+  std::vector<std::string> refused;
+  for (const auto& [name, n] : counts)
+    if (n > 0) refused.push_back(std::to_string(n) + " " + name);
+  if (refused.empty()) return fail(ErrorCode::timeout, "no record within 0.1 s", "reference",
+                                    adapter == "process" ? "its program answers 'poll' without rows: is its instrument on, and does it hand over what was measured since the poll before? (docs/adapters.md)"
+                                                         : "look at the controller's display");
+  return fail(ErrorCode::device, "no record within 0.1 s that can be believed: " + join(refused, ", "), "reference",
+              "check scale, units and wiring: counts_per_force, units and force_max_N of [reference]");
+}
+
 Result<std::vector<BenchItem>> examine_bench(const fs::path& file,
                                              const std::map<std::string, std::string>& options) {
   FORCEGATE_TRY(const BenchFile bench, read_bench(file));
@@ -153,7 +154,7 @@ Result<std::vector<BenchItem>> examine_bench(const fs::path& file,
     if (board) board = s->board().poll(samples);
   }
   const double took_s = world.now_s() - from_s;
-  if (reference && readings.empty()) reference = no_reading(s->reference().counts());
+  if (reference && readings.empty()) reference = no_reading(s->reference().counts(), bench.reference_adapter);
   if (reference && std::ranges::none_of(readings, is_valid)) reference = no_valid_reading(readings);
   if (board && samples.empty())
     board = fail(ErrorCode::timeout, "no sample within 0.1 s", "board", "reset the board");

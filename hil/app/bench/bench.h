@@ -30,6 +30,9 @@ struct BenchItem {
 /// What to say of more readings than `declared_Hz` (0: none is declared) and an adapter's store of them explain; "" of others.
 std::string far_from_declared(std::size_t readings, double took_s, double declared_Hz);
 
+/// Why a reference, read by the adapter of that name, gave no reading: records that came and were not taken (`counts`) say where to look.
+Result<void> no_reading(const std::map<std::string, std::uint64_t>& counts, const std::string& adapter);
+
 /// Opens every instrument, asks who it is and for one reading; nothing moves.
 Result<std::vector<BenchItem>> examine_bench(const std::filesystem::path& file,
                                              const std::map<std::string, std::string>& options);

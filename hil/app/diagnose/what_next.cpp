@@ -7,6 +7,7 @@
 #include "hil/app/diagnose/diagnose.h"
 #include "hil/app/export/recorded_rate.h"
 #include "hil/app/files/find_plan.h"
+#include "hil/trace/clock_unit.h"
 
 namespace forcegate {
 namespace {
@@ -38,6 +39,8 @@ bool is_of_no_use_yet(const Diagnosis& d) {
 }
 
 }  // namespace
+
+std::string map_of_doubtful_clock(const Diagnosis& d) { return map_of_clock(d.notes); }
 
 bool leads_to_add(const Diagnosis& d, const std::string& effect) {
   const Finding* first = worth_adding(d);
@@ -96,7 +99,10 @@ std::optional<ExportOffer> export_offer(const std::string& model, const Campaign
     request.fit.reset();
     if (refit) request.fit = *campaign;
     const Result<ExportResult> made = export_model(request);
-    if (!made) continue;
+    if (!made) {
+      offer.check = refit && made.error().text == diagnose::kEffectsOfNoUse;
+      continue;
+    }
     if (offer.plan || campaign == nullptr) return offer;
     // made again: one that runs fast enough for its lags at 1000 Hz may not at 20 Hz
     double recorded_Hz = made->recorded_Hz;

@@ -48,6 +48,9 @@ struct Standing {
 
 WhatNext after_diagnosis(const Diagnosis& diagnosis, const Standing& standing);
 
+/// "--map time=t_us" where a clock without a unit was taken for seconds that are hardly meant: what would be built on it waits. "": none was.
+std::string map_of_doubtful_clock(const Diagnosis& diagnosis);
+
 /// Whether this answer would have the effect added: where `add` has just refused it, the chain would go round.
 bool leads_to_add(const Diagnosis& diagnosis, const std::string& effect);
 
@@ -59,6 +62,9 @@ bool is_shipped_model(const std::string& model);
 
 /// How `forcegate export` takes this model: asked of export itself, nothing is written. nullopt: it refuses.
 struct ExportOffer {
+  /// With one law for all records the effects are of no use for those left out, so that there is no --fit: a header of the model as it stands may make the
+  /// force worse, and --check tells.
+  bool check = false;
   bool refit = false;  ///< --fit CAMPAIGN: the campaign has records enough for one law for all of them
   bool plan = true;    ///< false: --plan none, because there is no plan whose calibration could be taken back
   double rate_Hz = 0.0;  ///< --rate: no plan says what the firmware runs at, and the records have another rate than the header would; 0: as it is

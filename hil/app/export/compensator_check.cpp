@@ -10,6 +10,7 @@
 
 #include "hil/app/export/built_header.h"
 #include "hil/app/export/recorded_output.h"
+#include "hil/base/evenly_chosen.h"
 #include "hil/base/text.h"
 #include "hil/model/rows.h"
 
@@ -228,10 +229,11 @@ Result<Replayed> replayed(const Replay& with, const RecordInput& rows) {
 
   const std::vector<float> floor = tracked_floor(r, recorded, rate_Hz);
   const std::vector<float> found = with.built.run(recorded, shrink, floor, false, T);
-  constexpr std::size_t kMostKept = 50'000;  // fewer would meet steps of the force in step
+  constexpr std::size_t kMostKept = 50'000;
   const auto settled = static_cast<std::size_t>(std::max(1.0, 0.05 * rate_Hz));
-  for (std::size_t i = settled, every = n / kMostKept + 1; i < n; i += every) {
-    if (r.ok[i] == 0) continue;
+  EvenlyChosen choice(n, kMostKept);
+  for (std::size_t i = settled; i < n; ++i) {
+    if (!choice.next() || r.ok[i] == 0) continue;
     const double above = static_cast<double>(recorded[i] - floor[i]);
     out.at.F.push_back(static_cast<float>(read_N[i]));
     out.at.plain.push_back(above > 0.0 ? static_cast<float>(static_cast<double>(floor[i]) + above / static_cast<double>(shrink[i])) : recorded[i]);

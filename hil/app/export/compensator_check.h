@@ -50,6 +50,9 @@ struct CompensatorCheck {
 /// than 8 LSB and a tenth of the error that it leaves; it leaves a larger error than the law alone (by more than 2 %), each with its best line; or the
 /// firmware calibrates by the model, and its gain and offset are off by more than a twentieth of the span (RMS) and by what the line leaves.
 std::vector<std::string> objections(const CompensatorCheck& check);
+/// What is to be said where the error on the records is not smaller with the header than with the law alone, and not so much larger that it is an
+/// objection; "" otherwise. Of a header that undoes something.
+std::string gains_nothing(const CompensatorCheck& check);
 /// The first of them.
 bool differs_from_model(const CompensatorCheck& check);
 /// The last of them.

@@ -89,6 +89,12 @@ std::string fit_text(const ExportResult& r, bool notes) {
   return out;
 }
 
+}  // namespace
+
+std::string nothing_gained(const ExportResult& r) { return r.check && !r.compensator.effects.empty() ? gains_nothing(*r.check) : std::string(); }
+
+namespace {
+
 std::string check_text(const ExportResult& r, bool notes) {
   const CompensatorCheck& check = *r.check;
   const auto lsb = [&](double size_N, const std::string& before) { return check.lsb_N > 0.0 ? before + plain_number(size_N / check.lsb_N) + " LSB" : std::string(); };
@@ -115,6 +121,7 @@ std::string check_text(const ExportResult& r, bool notes) {
   out += fmt::format("    {:<36} {}\n", check.by_model ? "with the best straight line instead" : "gain and offset of the model instead", check.by_model ? line : raw);
   if (notes && !check.assumed.empty()) out += "note: " + check.assumed + "\n";
   for (const std::string& objection : objections(check)) out += "warning: " + objection + "\n";
+  if (const std::string nothing = nothing_gained(r); !nothing.empty()) out += "warning: " + nothing + "\n";
   if (!check.far_off.empty()) out += "warning: " + check.far_off + "\n";
   return out;
 }
@@ -273,6 +280,7 @@ std::string export_json(const ExportResult& r) {
                     {"calibrated_by", r.check->by_model ? "model" : "plan"},
                     {"line", {{"gain", r.check->line_gain}, {"zero_N", r.check->line_zero_N}}},
                     {"objections", objections(*r.check)},
+                    {"gains_nothing", nothing_gained(r)},
                     {"far_off", r.check->far_off},
                     {"records", records}};
   }

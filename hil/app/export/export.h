@@ -38,6 +38,8 @@ struct ExportResult {
 };
 
 Result<ExportResult> export_model(const ExportRequest& request);
+/// Of a header that undoes something: what gains_nothing() says of its check; "" otherwise.
+std::string nothing_gained(const ExportResult& result);
 std::string export_text(const ExportResult& result, bool notes = true);
 std::string export_json(const ExportResult& result);
 

@@ -104,4 +104,11 @@ std::vector<std::string> objections(const CompensatorCheck& check) {
   return out;
 }
 
+std::string gains_nothing(const CompensatorCheck& check) {
+  if (!(check.plain_rms_N > 0.0) || check.compensated_rms_N < check.plain_rms_N || check.compensated_rms_N > kLarger * check.plain_rms_N) return {};
+  return fmt::format("the error on these records is not smaller with the header than with the law alone: {} -> {} mN. A firmware is as well off without it "
+                     "(it is an objection, and exit code 1, from {:.0f} % more on)",
+                     plain_number(1e3 * check.plain_rms_N), plain_number(1e3 * check.compensated_rms_N), 100.0 * (kLarger - 1.0));
+}
+
 }  // namespace forcegate

@@ -65,7 +65,7 @@ const std::vector<Explanation>& explanations() {
        "Unload and zero the reference, check its calibration date and filter, and record again."},
       {"instrument", "side", "What was found is in converter, amplifier, clock or mains: raw samples show it whatever the sensor does.",
        "Mend what the evidence names (range, earth, clock, cable) and record again; samples that it spoilt were set aside."},
-      {"no gain", "header", "On recorded voltages the error of the force is larger with the header of forcegate export than with the law alone.",
+      {"no gain", "header", "On recorded voltages the error of the force is larger with the header of forcegate export than with the law alone, or as large.",
        "Leave the header out where most records are worse: firmware with the law alone is the better one on this sensor. What a record tells of "
        "the effect may differ from record to record (forcegate compare CAMPAIGN shows it), or a firmware may not know what the effect "
        "needs (it tracks the lowest force itself, and it begins where it is switched on). "

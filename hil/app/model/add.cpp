@@ -37,6 +37,7 @@ Result<Shown> show(Campaign campaign, const Model& start, const Model& refitted,
 AddedEffect added_effect(const diagnose::Refit& refit, const std::string& effect) {
   AddedEffect out{.effect = effect,
                   .is_needed = is_needed(refit),
+                  .helps_one_law = helps_one_law(refit),
                   .error_before = refit.error_before,
                   .error_after = refit.error_after,
                   .floor = refit.floor,

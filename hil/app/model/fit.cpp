@@ -17,7 +17,14 @@
 namespace forcegate {
 namespace {
 
-constexpr const char* kNotNeeded = "the error did not fall: this effect is not needed for these records";
+// Beside a gain, a zero and a decay of each record's own an effect may have nothing left to do that a law for all of them lacks.
+std::string not_needed(const diagnose::Refit& r) {
+  if (!helps_one_law(r)) return "the error did not fall: this effect is not needed for these records";
+  const PrintedUnit unit = printed_unit(r.waterfall.unit);
+  return fmt::format("the error did not fall: where each record has a gain, a zero and a decay of its own, this effect is not needed for these records; with one of each for all, "
+                     "as a firmware has it, the error falls from {} to {} {}",
+                     plain_number(unit.factor * r.plain_before), plain_number(unit.factor * r.plain_after), unit.name);
+}
 
 bool has_effect(const Model& model, const std::string& name) {
   const std::vector<std::string> names = model.effect_names();
@@ -92,6 +99,11 @@ Result<diagnose::Refit> fit_request(const CampaignRequest& request, const Model&
   return fit_campaign(request, std::move(campaign), model, add);
 }
 
+bool helps_one_law(const diagnose::Refit& r) {
+  constexpr double kPlainly = 0.9;
+  return !is_needed(r) && r.plain_after < kPlainly * r.plain_before;
+}
+
 bool is_needed(const diagnose::Refit& r) { return diagnose::lowers_error(r.error_before, r.error_after); }
 
 std::string waterfall_text(const diagnose::Waterfall& w) {
@@ -141,7 +153,7 @@ std::string refit_text(const diagnose::Refit& r, const std::string& add, bool no
       error_name(r.judged_by), r.levels ? ", one gain and offset for all" : "",
       number(r.error_before), number(r.error_after), unit.name, number(r.floor), unit.name, number(r.plain_before),
       number(r.plain_after), unit.name);
-  if (!add.empty() && !is_needed(r)) out += std::string(kNotNeeded) + "\n";
+  if (!add.empty() && !is_needed(r)) out += not_needed(r) + "\n";
   for (const std::string& warning : weak_addition(r, add).warnings) out += "warning: " + warning + "\n";
   out += "parameters:\n";
   for (const auto& m : r.moves)
@@ -176,7 +188,7 @@ std::string refit_json(const diagnose::Refit& r, const std::string& add) {
                      {"unit", m.unit}});
   const WeakAddition weak = weak_addition(r, add);
   std::vector<std::string> notes = r.notes;
-  if (!add.empty() && !is_needed(r)) notes.emplace_back(kNotNeeded);
+  if (!add.empty() && !is_needed(r)) notes.push_back(not_needed(r));
   const nlohmann::ordered_json out = {
       {"format", 1},
       {"added", add},

@@ -16,6 +16,15 @@
 namespace forcegate {
 namespace {
 
+// What helps is a law for all records: export refits it. Empty where that is refused.
+std::string one_law_line(const Invocation& in, const std::string& output) {
+  if (output.empty())
+    return "forcegate add " + shell_quoted(in.text("EFFECT")) + " --fit " + campaign_words(in, in.text("fit")) + model_words(in) + " -o " +
+           shell_quoted(better_model_name(named_model(in)));
+  const std::string line = export_line(in, output, in.text("fit")).value_or("");
+  return line.find(" --fit ") != std::string::npos ? line : "";
+}
+
 Result<int> run(const Invocation& in) {
   AddRequest request;
   request.effect = in.text("EFFECT");
@@ -38,7 +47,10 @@ Result<int> run(const Invocation& in) {
   }
   in.console().print_json(refit_json(answer, request.effect));  // one document: an error of the page would be a second
   const std::string model = named_model(in);
-  if (!is_needed(answer) || !weak_addition(answer, request.effect).is_shown) {  // what else is it? A diagnosis that claims it would lead back here
+  const bool for_all = helps_one_law(answer) && weak_addition(answer, request.effect).is_shown;
+  if (const std::string line = for_all ? one_law_line(in, request.output.string()) : ""; !line.empty())
+    in.console().next(line);
+  else if (!is_needed(answer) || !weak_addition(answer, request.effect).is_shown) {  // what else is it? A diagnosis that claims it would lead back here
     const Result<Diagnosis> other = diagnose_request(request.campaign);
     in.console().next(other && leads_to_add(*other, request.effect) ? "forcegate explain " + shell_quoted(request.effect)
                                                                    : "forcegate diagnose " + campaign_words(in, in.text("fit")) + model_words(in));

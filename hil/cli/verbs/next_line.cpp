@@ -33,6 +33,10 @@ std::optional<std::string> export_line(const Invocation& in, const std::string& 
   if (!offer || (shipped && !offer->refit)) return std::nullopt;
   std::string out = "forcegate export " + (model.empty() ? "flexiforce" : shell_quoted(model));
   if (offer->refit) out += " --fit " + campaign_words(in, campaign);
+  if (offer->check) {
+    out += " --check " + campaign_words(in, campaign);
+    in.console().note(std::string("export --fit is not offered: ") + diagnose::kEffectsOfNoUse + "; what a header of the model as it stands does to these records is checked");
+  }
   if (shipped) out += " -o model.toml";
   if (!offer->plan) out += " --plan none";
   if (offer->rate_Hz > 0.0) out += fmt::format(" --rate {:.6g}", offer->rate_Hz);
@@ -43,6 +47,8 @@ std::string line_after_diagnosis(const Invocation& in, const Diagnosis& d, const
   // a model that the sensor's name chose is named, for not every verb sees the campaign
   const std::string model = about.model.empty() && is_shipped_model(d.model) && d.model != "flexiforce" ? d.model : about.model;
   const std::string words = campaign_words(in, about.campaign), both = words + with_model(model);
+  // what would be built on such a clock is asked first: seconds are said by --map too
+  if (const std::string map = map_of_doubtful_clock(d); !map.empty()) return "forcegate diagnose " + both + " " + map;
   std::optional<std::string> exported;
   Standing standing{.page = about.page, .model_file = !is_shipped_model(model), .experiment = about.experiment};
   standing.in_model = effects_of(model);

@@ -29,11 +29,19 @@ struct Course {
   double left_V = 0.0, beside_V = 0.0;  // RMS
 };
 
+// Effects of the library as the file writes them, and fitted equations of the user's own.
+bool has_effects(const Workspace& w, const MixedFit& fit) {
+  const auto is_users = [&](const Candidate& c) { return std::ranges::any_of(w.user_kinds, [&](const auto& kind) { return kind.get() == c.kind; }); };
+  return std::ranges::any_of(w.output.candidates, [&](const Candidate& c) {
+    return c.of_model || (is_users(c) && std::ranges::any_of(fit.columns, [&](int column) { return c.owns(column); }));
+  });
+}
+
 // A change of frequency is not counted: how the decay goes on after it differs from law to law. Nor is a record asked where the model has
 // effects of its own: what a lag leaves of a straight line is no matter of the decay.
 std::vector<Course> not_exponential(const Workspace& w, const MixedFit& fit, unsigned threads) {
   constexpr double kLeast = 1e-3;  // of the span
-  if (std::ranges::any_of(w.output.candidates, &Candidate::of_model)) return {};
+  if (has_effects(w, fit)) return {};
   std::vector<Course> all(w.output.record_of.size());
   parallel_for(all.size(), threads, [&](std::size_t i) {
     const RecordInput& r = w.input.records[w.output.record_of[i]];

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "hil/base/plain_number.h"
 #include "hil/base/quantile.h"
 #include "hil/diagnose/answer/findings.h"
 #include "hil/diagnose/base/own_lines.h"
@@ -15,6 +16,11 @@
 namespace forcegate::diagnose {
 
 namespace {
+
+std::string size_text(double size, const std::string& unit) {
+  const PrintedUnit printed = printed_unit(unit);
+  return plain_number(printed.factor * size) + " " + printed.name;
+}
 
 constexpr double kListed = 0.4;
 
@@ -50,9 +56,9 @@ std::optional<Finding> listed_moving_zero(const Workspace& w, const Selection& s
   out.side_witnessed = false;
   out.error_before = w.output.scale * std::sqrt(without);
   out.error_after = w.output.scale * std::sqrt(zeros.left);
-  out.evidence = fmt::format("the zero moves by {:.3g} m{} over the recording, whatever the force; not claimed: without a third channel nothing says whether it is "
+  out.evidence = fmt::format("the zero moves by {} over the recording, whatever the force; not claimed: without a third channel nothing says whether it is "
                              "that of the reference or the sensor's own; a rest without load before and after shows both",
-                             1e3 * w.output.scale * moved, w.output.unit);
+                             size_text(w.output.scale * moved, w.output.unit));
   return out;
 }
 
@@ -69,7 +75,7 @@ std::optional<MovingZero> moving_zero_of_records(const Workspace& w, const Mixed
   const EffectKind* drift = EffectRegistry::instance().find("reference_drift");
   const std::optional<double> wander = w.input.single ? std::nullopt : typical<wander_of>(fit);
   if (drift == nullptr || !(wander.value_or(0.0) > kOrdinary)) return std::nullopt;
-  const std::string size = fmt::format("{:.3g} m{}", 1e3 * w.output.scale * *typical<wander_range_of>(fit), w.output.unit);
+  const std::string size = size_text(w.output.scale * *typical<wander_range_of>(fit), w.output.unit);
   MovingZero out{finding_about(*drift, w.output), *wander > kFar ? "the time within the record, in which the zero moves by " + size : std::string()};
   out.finding.form = "within_records";
   out.finding.probability = kListed;

@@ -217,7 +217,7 @@ Result<RecordDrift> fit_drift(const std::string& record, const std::vector<doubl
   const DriftBlocks b = drift_blocks(t_s, y);
   if (b.y.size() < 40)
     return fail(ErrorCode::parse, "the record has only " + std::to_string(b.y.size()) + (b.y.size() == 1 ? " sample" : " samples"), record,
-                "at least 40 are needed to tell one law of drift from another");
+                "at least 40 are needed to tell one law of drift from another, and 200 of a recording with a force that is diagnosed alone");
   RecordDrift out;
   out.record = record;
   out.span = quantile(b.y, 0.999) - quantile(b.y, 0.001);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "hil/base/evenly_chosen.h"
 #include "hil/base/parallel.h"
 
 namespace forcegate::diagnose {
@@ -22,10 +23,9 @@ struct Span {
 Span span_of(const std::vector<double>& values, const std::vector<char>& but) {
   constexpr std::size_t kLookedAt = 2000, kHundredth = 100;
   std::vector<double> x;
-  const std::size_t step = std::max<std::size_t>(1, values.size() / kLookedAt);
-  std::size_t seen = 0;
+  EvenlyChosen choice(values.size(), kLookedAt);
   for (std::size_t i = 0; i < values.size(); ++i)
-    if (std::isfinite(values[i]) && (i >= but.size() || but[i] == 0) && seen++ % step == 0) x.push_back(values[i]);
+    if (std::isfinite(values[i]) && (i >= but.size() || but[i] == 0) && choice.next()) x.push_back(values[i]);
   if (x.empty()) return {};
   std::ranges::sort(x);
   return {x[x.size() / kHundredth], x[x.size() - 1 - x.size() / kHundredth]};

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "hil/base/evenly_chosen.h"
 #include "hil/base/parallel.h"
 #include "hil/base/quantile.h"
 #include "hil/diagnose/raw/force_and_output.h"
@@ -27,10 +28,10 @@ Selection some_of_all_records(const Campaign& campaign) {
   for (const Record& record : campaign.records) {
     const Channel *f = record.trace.find("F_ref"), *u = record.trace.find("U");
     if (f == nullptr || u == nullptr) continue;
-    const std::size_t n = std::min(f->value.size(), u->value.size()), stride = std::max<std::size_t>(1, n / kOfRecord);
-    std::size_t seen = 0;  // of those that are there: a stride over the rows may meet the missing ones alone
+    const std::size_t n = std::min(f->value.size(), u->value.size());
+    EvenlyChosen choice(n, kOfRecord);
     for (std::size_t i = 0; i < n; ++i)
-      if (std::isfinite(f->value[i]) && std::isfinite(u->value[i]) && seen++ % stride == 0) {
+      if (std::isfinite(f->value[i]) && std::isfinite(u->value[i]) && choice.next()) {
         out.F_N.push_back(f->value[i]);
         out.U_V.push_back(u->value[i]);
       }

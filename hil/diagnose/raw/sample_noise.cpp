@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "hil/base/evenly_chosen.h"
 #include "hil/base/quantile.h"
 
 namespace forcegate::diagnose {
@@ -14,10 +15,9 @@ constexpr std::size_t kFewestValues = 8;
 
 std::vector<double> values_of(const std::vector<double>& x) {
   std::vector<double> v;
-  const std::size_t stride = std::max<std::size_t>(1, x.size() / 6000);
-  std::size_t seen = 0;  // of those that are there: a stride over the rows may meet the missing ones alone
+  EvenlyChosen choice(x.size(), 6000);
   for (const double value : x)
-    if (std::isfinite(value) && seen++ % stride == 0) v.push_back(value);
+    if (std::isfinite(value) && choice.next()) v.push_back(value);
   std::sort(v.begin(), v.end());
   v.erase(std::unique(v.begin(), v.end()), v.end());
   return v;

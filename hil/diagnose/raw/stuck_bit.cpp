@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "hil/base/evenly_chosen.h"
 #include "hil/base/plain_number.h"
 #include "hil/base/quantile.h"
 #include "hil/diagnose/raw/force_and_output.h"
@@ -22,9 +23,9 @@ std::vector<double> some_values(const Campaign& campaign) {
   for (const Record& record : campaign.records) {
     const Channel* output = record.trace.find("U");
     if (output == nullptr) continue;
-    const std::size_t stride = std::max<std::size_t>(1, output->value.size() / kOfRecord);
-    for (std::size_t i = 0; i < output->value.size(); i += stride)
-      if (std::isfinite(output->value[i])) out.push_back(output->value[i]);
+    EvenlyChosen choice(output->value.size(), kOfRecord);
+    for (const double U : output->value)
+      if (choice.next() && std::isfinite(U)) out.push_back(U);
   }
   std::ranges::sort(out);
   return out;

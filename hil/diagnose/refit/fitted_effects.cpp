@@ -51,15 +51,21 @@ Result<std::pair<Forms, MixedFit>> best_beside(Workspace& w, const Model& at, co
   std::optional<WrittenForms> written = written_forms(w, at.effects, name, present, beside, threads);
   if (!best && !written) return Unexpected(best.error());
   WrittenForms taken;
+  std::vector<std::string> told, told_of_written;
   if (best) {
     std::vector<int> all = present;
-    std::ranges::copy(seen_columns(w, best->variant, notes), std::back_inserter(all));
+    std::ranges::copy(seen_columns(w, best->variant, told), std::back_inserter(all));
     taken = {{best->variant}, {}, fit_mixed(w.output.problem, all, &best->fit, kRounds)};
     if (const Candidate& of = candidate_of(w.output, best->variant); !moves_levels(of))
       for (const int v : further_forms(w.output, *of.kind, all, taken.fit)) taken.variants.push_back(v);
     taken.columns.assign(all.begin() + std::ssize(present), all.end());
+    leave_out_unseen(w, present, taken, told);
   }
-  if (written && (!taken.fit.valid || written->fit.log_evidence > taken.fit.log_evidence)) taken = *std::move(written);
+  if (written) leave_out_unseen(w, present, *written, told_of_written);
+  const bool stays = written && (!taken.fit.valid || written->fit.log_evidence > taken.fit.log_evidence);
+  if (stays) taken = *std::move(written);
+  for (std::string& note : stays ? told_of_written : told)
+    if (std::ranges::find(notes, note) == notes.end()) notes.push_back(std::move(note));
   return std::pair{Forms{std::move(taken.variants), std::move(taken.columns)}, std::move(taken.fit)};
 }
 

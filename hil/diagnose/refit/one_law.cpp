@@ -227,7 +227,7 @@ Result<OneLawFit> fit_one_law(Campaign campaign, const Model& start, const IsUsa
   out.left_out_V = LawFitter::left_out(fit.grams);
   if (!fit.effects.empty() && out.left_out_V > kWorth * out.law_left_out_V)
     return fail(ErrorCode::config,
-                "with one law for all records the effects do not lower the error of records left out",
+                kEffectsOfNoUse,
                 name,
                 "they may differ from record to record: forcegate compare shows where the error sits");
 

@@ -32,13 +32,16 @@ struct OneLawFit {
   std::vector<std::string> notes;  ///< of the records; what a form that can be used costs against the best one
 };
 
+/// The error's text where the effects do not lower the error of records left out: a firmware is not better for them.
+inline constexpr const char* kEffectsOfNoUse = "with one law for all records the effects do not lower the error of records left out";
+
 /// Whether a model can be used, for instance inverted; empty: every one. Asked from the best form on, until one can.
 using IsUsable = std::function<bool(const Model&)>;
 
 /// Uncertainties in the model, of b and q too, are those of the jackknife over records. Where no form of an effect is usable, the best one is taken.
 /// The rows are those that refit_campaign judges by: without spikes, lost and held samples, rails and hum.
 /// Errors (config): fewer than 3 records that can be used, an effect that these records do not excite or whose channels are missing, the
-/// effects do not lower the error of records left out; (parse): most of the output is not above 0, no usable rows.
+/// effects do not lower the error of records left out (kEffectsOfNoUse); (parse): most of the output is not above 0, no usable rows.
 Result<OneLawFit> fit_one_law(Campaign campaign, const Model& start, const IsUsable& is_usable = {}, unsigned threads = 0);
 
 }  // namespace forcegate::diagnose

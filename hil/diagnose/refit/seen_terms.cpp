@@ -45,4 +45,25 @@ std::vector<int> seen_columns(const Workspace& w, int variant, std::vector<std::
   return out;
 }
 
+void leave_out_unseen(const Workspace& w, const std::vector<int>& present, WrittenForms& forms, std::vector<std::string>& notes) {
+  constexpr int kRounds = 15;
+  const auto unseen = [&](int column) {
+    return std::ranges::any_of(forms.variants, [&](int v) {
+      const Candidate& c = candidate_of(w.output, v);
+      return c.owns(column) && !is_seen(*c.form, static_cast<std::size_t>(column - c.first), w.input);
+    });
+  };
+  WrittenForms out = forms;
+  std::erase_if(out.columns, unseen);
+  if (out.columns.empty() || out.columns.size() == forms.columns.size()) return;
+  std::vector<int> all = present;
+  all.insert(all.end(), out.columns.begin(), out.columns.end());
+  out.fit = fit_mixed(w.output.problem, all, &forms.fit, kRounds, forms.fit.use);
+  if (!out.fit.valid) return;
+  for (const int v : forms.variants) note_unseen(*candidate_of(w.output, v).kind, *candidate_of(w.output, v).form, w.input, notes);
+  const auto is_in = [&](int column) { return std::ranges::find(out.columns, column) != out.columns.end(); };
+  std::erase_if(out.variants, [&](int v) { return std::ranges::none_of(columns_of(w.output, v), is_in); });
+  forms = std::move(out);
+}
+
 }  // namespace forcegate::diagnose

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "hil/diagnose/refit/best_form.h"
 #include "hil/diagnose/workspace.h"
 
 namespace forcegate::diagnose {
@@ -18,5 +19,9 @@ void note_unseen(const EffectKind& kind, const EffectForm& form, const CampaignI
 
 /// The columns of a variant that are seen, all where none is; `notes` tell of the others.
 std::vector<int> seen_columns(const Workspace& workspace, int variant, std::vector<std::string>& notes);
+
+/// Forms beside each other and what a model file brings may have them again: fitted anew beside the `present` columns without what is not seen, told
+/// in `notes`. As they are where none of the columns is seen.
+void leave_out_unseen(const Workspace& workspace, const std::vector<int>& present, WrittenForms& forms, std::vector<std::string>& notes);
 
 }  // namespace forcegate::diagnose

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 
+#include "hil/base/evenly_chosen.h"
 #include "hil/model/effect.h"
 #include "hil/model/states.h"
 
@@ -23,15 +24,9 @@ std::optional<Line> line_below(const RecordInput& r, double rail_N, double range
   constexpr std::size_t kRows = 1000, kFewest = 30;
   if (r.U_V.size() != r.rows()) return std::nullopt;
   double n = 0.0, W = 0.0, U = 0.0, WW = 0.0, WU = 0.0, least_N = rail_N, most_N = -rail_N;
-  const std::size_t stride = std::max<std::size_t>(1, r.rows() / kRows);
-  std::size_t to_pass = 0;
+  EvenlyChosen choice(r.rows(), kRows);
   for (std::size_t i = 0; i < r.rows(); ++i) {
-    if (r.ok[i] == 0) continue;
-    if (to_pass > 0) {
-      --to_pass;
-      continue;
-    }
-    to_pass = stride - 1;
+    if (r.ok[i] == 0 || !choice.next()) continue;
     const double w = r.base_force_N(i);
     if (!(w < rail_N - kBelow * range_N) || !std::isfinite(r.U_V[i])) continue;
     n += 1.0;

@@ -24,10 +24,10 @@ void CodeWatch::push(const std::uint16_t* code, const std::uint16_t* status, con
   if (trouble == 0) return;
   for (std::size_t i = 0; i < n; ++i) {
     lost_ += (status[i] & kRigSampleLost) != 0;
-    // A row is lost once: with an error, else without a value (NoiseWatch), else saturated.
+    // A row is lost once: with an error, else saturated, else without a value (NoiseWatch). An ATI in overload may give no value.
     const bool fault = (status[i] & kRigReferenceFault) != 0;
     reference_fault_ += fault;
-    reference_saturated_ += !fault && (status[i] & kRigReferenceSaturated) != 0 && std::isfinite(force_N[i]);
+    reference_saturated_ += !fault && (status[i] & kRigReferenceSaturated) != 0 && (std::isfinite(force_N[i]) || (status[i] & kRigSampleLost) == 0);
     motor_fault_ += (status[i] & kRigMotorFault) != 0;
     travel_stop_ += (status[i] & kRigTravelStop) != 0;
     adc_rail_ += (status[i] & kRigAdcRail) != 0;

@@ -18,8 +18,8 @@ void NoiseWatch::push(const RigBlock& block, std::size_t n) {
   for (std::size_t i = 0; i < n; ++i) {
     const double x = force_N[i];
     if (!kSound && no_reference(force_N[i], status[i])) {
-      // A lost row is the link's, one with an error is counted as that.
-      not_finite_ += !std::isfinite(x) && !(status[i] & (kRigSampleLost | kRigReferenceFault));
+      // A lost row is the link's, one with an error or in overload is counted as that.
+      not_finite_ += !std::isfinite(x) && !(status[i] & (kRigSampleLost | kRigReferenceFault | kRigReferenceSaturated));
       run = 0;
       continue;
     }

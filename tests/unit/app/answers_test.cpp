@@ -118,6 +118,17 @@ TEST(RefitJson, SaysThatAnEffectIsNotNeededAndChangesWithTheSignOfTheText) {
   EXPECT_THAT(refit_json(r, ""), testing::AllOf(HasSubstr("\"accepted\": true"), Not(HasSubstr("did not fall"))));
 }
 
+TEST(RefitText, LimitsNotNeededToTheErrorThatItJudges) {
+  diagnose::Refit r;
+  r.error_before = r.error_after = 0.00259;
+  r.plain_before = 0.0482, r.plain_after = 0.0221;
+  r.waterfall.unit = "V";
+  EXPECT_THAT(refit_text(r, "mine"), testing::AllOf(HasSubstr("where each record has a gain, a zero and a decay of its own, this effect is not needed"), HasSubstr("falls from 48.2 to 22.1 mV")));
+  EXPECT_THAT(refit_json(r, "mine"), testing::AllOf(HasSubstr("\"accepted\": false"), HasSubstr("falls from 48.2 to 22.1 mV")));
+  r.plain_after = 0.0470;
+  EXPECT_THAT(refit_text(r, "mine"), testing::AllOf(HasSubstr("the error did not fall: this effect is not needed for these records\n"), Not(HasSubstr("falls from"))));
+}
+
 TEST(WaterfallText, SpeaksOfAllOrdersOnlyWhereTheyWereAsked) {
   diagnose::Waterfall w;
   w.start = 2.5e-3;

@@ -29,6 +29,18 @@ TEST(ExportText, SaysWhatEveryNumberOfAReplayedRecordIs) {
   }
 }
 
+TEST(ExportText, WarnsWhereTheHeaderGainsNothingAndNotOfTheLawAlone) {
+  for (const bool bare : {true, false}) {
+    ExportResult r;
+    if (!bare) r.compensator.effects = {"creep"};
+    r.check.emplace();
+    r.check->plain_rms_N = 0.05, r.check->compensated_rms_N = bare ? 0.05 : 0.0505;
+    const std::string text = export_text(r);
+    EXPECT_EQ(text.find("warning: the error on these records is not smaller") == std::string::npos, bare) << text;
+    EXPECT_EQ(nlohmann::json::parse(export_json(r))["check"]["gains_nothing"] == "", bare);
+  }
+}
+
 TEST(ExportJson, SaysWhatTheTextNotes) {
   ExportResult r;
   r.compensator.effects = {"creep"};

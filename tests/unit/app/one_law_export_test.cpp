@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "hil/app/diagnose/what_next.h"
 #include "hil/app/export/export.h"
 #include "hil/base/rng.h"
 #include "hil/model/base_law.h"
@@ -49,6 +50,32 @@ TEST_F(OneLawExport, AFormThatTheHeaderDoesNotUndoUnderDecayIsPassedOver) {
   ASSERT_TRUE(made) << made.error().to_text();
   EXPECT_TRUE(made->self.made) << made->self.why_not;
   EXPECT_TRUE(std::ranges::any_of(made->fit->notes, [](const std::string& note) { return note.find("undecayed predicts best") != std::string::npos; })) << export_text(*made);
+}
+
+// The effect of the model is not there in any record, and each has a zero of its own.
+TEST_F(OneLawExport, WhereNoLawForAllIsBetterWithTheEffectsTheHeaderIsOfferedWithItsCheck) {
+  std::string records;
+  Rng rng(5, "no loop");
+  for (int k = 0; k < 4; ++k) {
+    std::string csv = "t_s,F_ref_N,U_V\n";
+    for (int i = 0; i < 2000; ++i) {
+      const double F = 2.0 - 1.9 * std::cos(2.0 * std::numbers::pi * 0.02 * i / (16.0 + 3.0 * k));
+      csv += std::to_string(0.02 * i) + "," + std::to_string(F) + "," + std::to_string(0.2 + 0.05 * k + 2.0 * F + 0.002 * rng.normal()) + "\n";
+    }
+    put("none/r" + std::to_string(k) + ".csv", csv);
+    records += (k > 0 ? ", " : "") + std::string("{\"file\": \"r") + std::to_string(k) + ".csv\", \"start_s\": " + std::to_string(900 * k) + ", \"kind\": \"ramp\", \"dynamic\": false}";
+  }
+  put("none/campaign.json", "{\"records\": [" + records + "]}");
+  const std::string model = put("loop.toml", "[law]\nkind = \"static\"\ngain_N_per_V = 0.5\noffset_N = -0.1\n[[effect]]\nname = \"hysteresis\"\n").string();
+  CampaignRequest on;
+  on.campaign = folder_ / "none";
+  const auto offer = export_offer(model, &on);
+  ASSERT_TRUE(offer);
+  EXPECT_FALSE(offer->refit);
+  EXPECT_TRUE(offer->check);
+  const auto alone = export_offer(model, nullptr);
+  ASSERT_TRUE(alone);
+  EXPECT_FALSE(alone->check) << "no records, nothing to check it on";
 }
 
 }  // namespace

@@ -39,6 +39,14 @@ TEST_F(BenchDoctor, AReferenceWithoutAnyValidReadingIsBad) {
   EXPECT_THAT(faulty.remedy, HasSubstr("unload the sensor"));
 }
 
+TEST_F(BenchDoctor, OfASilentReferenceNamesWhatThereIsToLookAt) {
+  EXPECT_THAT(no_reading({}, "ati_serial").error().hint, HasSubstr("the controller's display"));
+  const std::string of_program = no_reading({{"refused", 0}}, "process").error().hint;
+  EXPECT_THAT(of_program, HasSubstr("answers 'poll' without rows"));
+  EXPECT_EQ(of_program.find("display"), std::string::npos) << of_program;
+  EXPECT_THAT(no_reading({{"refused", 3}}, "process").error().text, HasSubstr("3 refused"));
+}
+
 TEST_F(BenchDoctor, AStreamFarFromItsDeclaredRateIsBad) {
   EXPECT_EQ(far_from_declared(27, 0.1, 274), "");
   EXPECT_EQ(far_from_declared(110, 0.1, 274), "") << "what an adapter had gathered";

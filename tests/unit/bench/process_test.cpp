@@ -216,6 +216,18 @@ TEST(ProgramAdapter, OneThatCannotBeStartedIsNamed) {
   EXPECT_NE(opened.error().text.find("/no/such/program"), std::string::npos);
 }
 
+TEST(ProgramAdapter, ThatIsSilentIsToldWithTheTimeoutThatRanOut) {
+  WallWorld world;
+  auto table = parse_config("command = [\"/bin/sleep\", \"30\"]\nfolder = \"/tmp\"\nserial = \"B\"\nreply_timeout_ms = 10\nstart_timeout_ms = 150\n", "bench.toml");
+  ASSERT_TRUE(table);
+  auto board = Registry<BoardKind>::instance().find("process")->make(*table, world);
+  ASSERT_TRUE(board) << board.error().to_text();
+  const auto opened = (*board)->open();
+  ASSERT_FALSE(opened);
+  EXPECT_EQ(opened.error().code, ErrorCode::timeout);
+  EXPECT_NE(opened.error().hint.find("raise start_timeout_ms (150)"), std::string::npos) << opened.error().to_text();
+}
+
 TEST(ProgramAdapter, AnotherInstrumentThanThatOfTheFileIsRefused) {
   WallWorld world;
   const auto board = make_device<BoardKind>("board", "other_serial", world);

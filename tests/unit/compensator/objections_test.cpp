@@ -48,6 +48,17 @@ TEST(Objections, OneRecordThatIsOffByItselfIsNamedAndTheOthersAreNotCondemnedWit
   EXPECT_FALSE(says(check, "do not build it in"));
 }
 
+TEST(Objections, AnErrorThatIsNotSmallerIsToldWithinTheToleranceToo) {
+  const auto alike = [](double with_N) { return check_of({replayed("r1", 0.05, with_N, 0.02, 0.02), replayed("r2", 0.05, with_N, 0.02, 0.02)}); };
+  for (const double with_N : {0.05, 0.0505}) {
+    EXPECT_TRUE(objections(alike(with_N)).empty());
+    EXPECT_NE(gains_nothing(alike(with_N)).find("is not smaller with the header than with the law alone: 50 -> "), std::string::npos) << gains_nothing(alike(with_N));
+  }
+  EXPECT_EQ(gains_nothing(alike(0.0499)), "");
+  EXPECT_EQ(objections(alike(0.052)).size(), 1u);
+  EXPECT_EQ(gains_nothing(alike(0.052)), "") << "an objection says it";
+}
+
 TEST(Objections, WhereMostRecordsAreWorseACalibrationOfEachMayOrMayNotMendIt) {
   const CompensatorCheck differ = check_of({replayed("r1", 0.03, 0.05, 0.02, 0.005), replayed("r2", 0.02, 0.03, 0.02, 0.004), replayed("r3", 0.03, 0.05, 0.02, 0.005)});
   EXPECT_TRUE(says(differ, "(3 of 3 records): do not build it in"));

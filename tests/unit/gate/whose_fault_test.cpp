@@ -26,6 +26,29 @@ TEST(WhoseFault, a_calibration_that_is_cut_short_is_the_links_and_is_made_again)
   EXPECT_EQ(find(judged, "rig_runs")->blame, Blame::link);
 }
 
+// An ATI on a wire gives no value in overload, the emulated one its last: whose the overload is does not hang on that.
+TEST(WhoseFault, an_overload_is_the_builds_that_drove_the_loop_there_and_else_the_references_with_a_value_or_without) {
+  for (const bool with_value : {true, false})
+    for (const bool driven : {true, false}) {
+      Bench s;
+      s.close_loop();
+      s.job.safety.force_max_N = s.plan.safety.force_max_N = 4.0;
+      s.rig.spoil = [=](std::size_t row, double t_s, RigBlock& b) {
+        if (driven ? b.force_ref_N[row] < 3.7f : !(t_s > 25.0 && t_s < 25.1)) return;
+        b.status[row] |= kRigReferenceSaturated;
+        if (!with_value) b.force_ref_N[row] = std::nanf("");
+      };
+      if (driven)
+        s.dut.spoil = [](std::uint32_t index, float& force_N, std::uint8_t&) {
+          if (index > 20000) force_N = 0.5f;
+        };
+      const JudgedCase judged = s.judge(s.run());
+      const Check& valid = *find(judged, "rig_reference_valid");
+      EXPECT_EQ(valid.verdict, driven ? Verdict::pass : Verdict::rig_error) << with_value << driven << valid.evidence;
+      EXPECT_EQ(valid.evidence.find("the build drove the force there") != std::string::npos, driven) << with_value << valid.evidence;
+    }
+}
+
 // The limits of another rig were derived with another reference.
 TEST(WhoseFault, limits_of_another_rig_leave_the_whole_uncertainty) {
   Bench s;

@@ -134,6 +134,26 @@ TEST(SelfCheck, counts_a_row_without_a_reading_once_whatever_says_so) {
   EXPECT_GT(spoiled, 0U);
 }
 
+TEST(SelfCheck, counts_as_saturated_what_the_reference_says_is_with_a_value_or_without) {
+  for (const bool with_value : {true, false}) {
+    testing::FakeRig rig;
+    std::size_t spoiled = 0;
+    rig.spoil = [&](std::size_t row, double t_s, RigBlock& b) {
+      if (!(t_s >= 10.0 && t_s < 10.2)) return;
+      if (!with_value) b.force_ref_N[row] = std::nanf("");
+      b.status[row] |= kRigReferenceSaturated;
+      ++spoiled;
+    };
+    for (const Check& c : checks_of(rig))
+      if (c.id == "rig_reference_valid") {
+        EXPECT_EQ(c.verdict, Verdict::rig_error);
+        EXPECT_EQ(c.blame, Blame::reference);
+        EXPECT_NE(c.evidence.find(std::to_string(spoiled) + " samples saturated, 0 with an error, 0 without a value"), std::string::npos) << c.evidence;
+      }
+    EXPECT_GT(spoiled, 0U);
+  }
+}
+
 TEST(SelfCheck, sees_a_frozen_reference) {
   testing::FakeRig rig;
   rig.spoil = [](std::size_t row, double t_s, RigBlock& b) {

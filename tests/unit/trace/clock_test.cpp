@@ -9,6 +9,7 @@
 
 #include "hil/base/rng.h"
 #include "hil/base/text.h"
+#include "hil/trace/clock_unit.h"
 #include "hil/trace/csv.h"
 #include "hil/trace/packets.h"
 #include "tests/unit/trace/read_csv.h"
@@ -177,6 +178,18 @@ TEST(UnitOfTheClock, WholeNumbersWithoutAUnitAreToldAndADeclaredRateDecides) {
   EXPECT_NEAR(read(table(counts, "time"), declared).trace.time_bases.front().nominal_rate_Hz, 100.0, 1e-6);
   declared.assumed_rate_Hz = 0.1;
   EXPECT_NEAR(read(table(counts, "time"), declared).trace.time_bases.front().nominal_rate_Hz, 0.1, 1e-9);
+}
+
+TEST(UnitOfTheClock, WithoutAUnitWhoseSecondsWouldBeHoursIsAskedAbout) {
+  std::vector<double> stamps;
+  for (int i = 0; i < 100; ++i) stamps.push_back(10000.0 * i);
+  const auto read = unit_of_clock(stamps, "time", true, 0.0, "a.csv");
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->factor, 1.0) << "the default stays";
+  EXPECT_EQ(map_of_clock({"another note", "a: " + read->note}), "--map time=t_us") << read->note;
+  for (double& t : stamps) t /= 1000.0;
+  EXPECT_EQ(map_of_clock({unit_of_clock(stamps, "time", true, 0.0, "a.csv")->note}), "") << "a slow logger";
+  EXPECT_EQ(map_of_clock({}), "");
 }
 
 TEST(UnitOfTheClock, DaysOfASpreadsheetAreSuspectedAndRead) {

@@ -4,10 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include "hil/trace/campaign.h"
 #include "hil/trace/column_map.h"
+#include "hil/trace/compression.h"
 #include "tests/support/folder_test.h"
 
 namespace forcegate {
@@ -74,6 +76,23 @@ TEST_F(Compression, ARecordingThatTheGateReadsIsTurnedOverToo) {
   ASSERT_TRUE(file) << file.error().to_text();
   EXPECT_DOUBLE_EQ(file->trace.find("F_ref")->value.front(), 5.0);
   EXPECT_THAT(file->notes, Contains(HasSubstr("turned over")));
+}
+
+TEST_F(Compression, IsAskedOfEveryPhaseOfACycleHoweverManyRowsThereAre) {
+  constexpr int kRows = 250000;  // 25 of them for one that is looked at
+  for (const int period : {25, 5, 50, 23}) {
+    TraceFile file;
+    file.trace.time_bases.emplace_back();
+    Channel force{"F_ref", "N", "force", 0, {}, {}};
+    for (int i = 0; i < kRows; ++i) {
+      file.trace.time_bases[0].t_s.push_back(0.02 * i);
+      force.value.push_back(1.0 - 2.0 * std::cos(2.0 * std::numbers::pi * i / period));
+    }
+    file.trace.channels.push_back(force);
+    turn_compression_over(file);
+    EXPECT_THAT(file.notes, ::testing::IsEmpty()) << period;
+    EXPECT_DOUBLE_EQ(file.trace.find("F_ref")->value.front(), -1.0) << period;
+  }
 }
 
 }  // namespace

@@ -45,7 +45,7 @@ TEST(FarAbove, ARecordWithAFaultOfItsOwnDoesNotHideWhatTheOthersShow) {
 }
 
 // Eight records, six of them under cyclic load, whose swing falls by `left` of seconds since the start.
-Diagnosis of_decay(const std::function<double(double)>& left) {
+Campaign decaying(const std::function<double(double)>& left) {
   Campaign c;
   c.name = "powers";
   c.bench.reference_resolution_N = 0.005;
@@ -70,12 +70,48 @@ Diagnosis of_decay(const std::function<double(double)>& left) {
     r.trace.channels.push_back({"U", "V", "voltage", 0, U, {}});
     c.records.push_back(std::move(r));
   }
-  return answer(std::move(c));
+  return c;
 }
+
+Diagnosis of_decay(const std::function<double(double)>& left) { return answer(decaying(left)); }
 
 TEST(FarAbove, ADecayThatIsNoExponentialIsTold) {
   const Diagnosis d = of_decay([](double t_s) { return 1.0 / std::sqrt(1.0 + t_s / 20.0); });
   EXPECT_NE(told(d).find("no single exponential"), std::string::npos) << told(d);
+}
+
+// The film grows along with its load by an equation of the user's own, which is fitted: what it leaves of a straight line is no matter of the decay.
+TEST(FarAbove, ADecayThatAnEquationOfTheModelMakesIsNotTold) {
+  const auto film = [](const std::vector<double>& t, const std::vector<double>& F, int) {
+    std::vector<double> U;
+    double y = 0.0;
+    for (std::size_t i = 0; i < F.size(); ++i) {
+      if (i > 0) y += (F[i] - y) * -std::expm1((t[i - 1] - t[i]) / 20.0);
+      U.push_back(2.0 * (F[i] + 0.05 * y) + 0.05);
+    }
+    return U;
+  };
+  Campaign c = make_campaign(64, film, 0.003);
+  for (std::size_t k = 0; k < c.records.size(); ++k) {
+    Record& r = c.records[k];
+    r.kind = "sine", r.dynamic = true;
+    std::vector<double>& F = r.trace.find("F_ref")->value;
+    const std::vector<double>& t = r.trace.time_bases[0].t_s;
+    for (std::size_t i = 0; i < F.size(); ++i) F[i] = t[i] < 10.0 ? 0.0 : (1.5 - std::cos(2.0 * std::numbers::pi * (0.1 + 0.05 * static_cast<double>(k)) * (t[i] - 10.0))) * std::min(1.0, (t[i] - 10.0) / 10.0);
+    Rng rng(65 + k, "film");
+    std::vector<double> U = film(t, F, 0);
+    for (double& u : U) u += 0.003 * rng.normal();
+    r.trace.find("U")->value = U;
+    for (double& f : F) f += 0.003 * rng.normal();
+  }
+  EngineOptions options;
+  options.threads = 1;
+  options.law.decays = false;
+  options.user_effects = {{"mine", {{"k", "", 0.05, 0.001, -1e300, 1e300, 0.0}, {"tau", "s", 20.0, 0.1, 0.5, 5000.0, 0.0}}, {{"x", "(F - x) / tau"}}, "k * x"}};
+  options.in_model = {"mine"};
+  const auto d = diagnose_campaign(std::move(c), options);
+  ASSERT_TRUE(d) << d.error().to_text();
+  EXPECT_EQ(told(*d).find("no single exponential"), std::string::npos) << told(*d);
 }
 
 // Slow from the start on: the law of the model is worse than none.

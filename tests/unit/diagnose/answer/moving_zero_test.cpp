@@ -53,5 +53,19 @@ TEST(MovingZero, ACreepSmallerThanItIsItsOwn) {
   EXPECT_TRUE(findings[0].name_is_open);
 }
 
+TEST(MovingZero, IsToldInTheUnitOfTheOutput) {
+  MixedFit fit;
+  fit.zeta.assign(3, Eigen::VectorXd::Zero(15));
+  for (Eigen::VectorXd& zeta : fit.zeta) zeta[11] = 0.01;
+  for (const auto& [unit, printed] : {std::pair{"V", " mV within"}, std::pair{"counts", " counts within"}}) {
+    Workspace w;
+    w.output.scale = 10.0;
+    w.output.unit = unit;
+    const std::optional<MovingZero> told = moving_zero_of_records(w, fit);
+    ASSERT_TRUE(told);
+    EXPECT_NE(told->finding.evidence.find(printed), std::string::npos) << told->finding.evidence;
+  }
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose

@@ -208,5 +208,13 @@ TEST(Drift, AShapeStaysWithinItsBounds) {
   }
 }
 
+// The next refusal of a longer one with a force must be no news.
+TEST(Drift, ATooShortRecordingIsToldWhatADiagnosisAsksFor) {
+  const auto d = diagnose_drift(recording(10, 0.1, 0.001, [](double t) { return t; }));
+  ASSERT_FALSE(d);
+  EXPECT_NE(d.error().hint.find("at least 40 are needed"), std::string::npos) << d.error().to_text();
+  EXPECT_NE(d.error().hint.find("200 of a recording with a force"), std::string::npos) << d.error().to_text();
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose

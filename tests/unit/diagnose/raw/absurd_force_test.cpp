@@ -2,6 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
+#include <numbers>
+
 #include "tests/unit/diagnose/made_campaign.h"
 
 namespace forcegate::diagnose {
@@ -58,6 +61,21 @@ TEST(AbsurdForce, ALoadThatTheOutputFollowsIsOneHoweverFarItIsFromTheOthers) {
   std::vector<std::string> notes;
   leave_out_absurd_force(c, 2, notes);
   EXPECT_TRUE(notes.empty()) << notes.front();
+}
+
+TEST(AbsurdForce, NoPhaseOfACycleIsAbsurdHoweverManyCyclesThereAre) {
+  for (const double period : {12.0, 6.0, 24.0, 11.7}) {  // 24000 samples, 12 of them for one that is looked at
+    Campaign c = make_campaign(85, straight);
+    c.records.resize(1);
+    std::vector<double>&force = c.records[0].trace.find("F_ref")->value, &output = c.records[0].trace.find("U")->value;
+    for (std::size_t i = 0; i < force.size(); ++i) {
+      force[i] = 1.5 + std::sin(2.0 * std::numbers::pi * static_cast<double>(i) / period) + 0.001 * static_cast<double>(i % 7);
+      output[i] = 2.0 * force[i] + 8.0 * static_cast<double>(i) / static_cast<double>(force.size());
+    }
+    std::vector<std::string> notes;
+    leave_out_absurd_force(c, 2, notes);
+    EXPECT_TRUE(notes.empty()) << period << notes.front();
+  }
 }
 
 }  // namespace
