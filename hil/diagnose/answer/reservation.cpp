@@ -146,6 +146,13 @@ bool is_loop_ahead(const Asked& a) {
   });
 }
 
+// Gain and zero of the records take a part of a loop, and it keeps a tenth of its width at least.
+bool is_loop_too_wide(const Asked& a) {
+  constexpr double kOfEffect = 50.0;  // width over RMS
+  return a.f.effect == "hysteresis" && a.f.effect_rms > 0.0 &&
+         a.any_width([&](const FoundParameter& p) { return 0.01 * std::abs(p.value) > kOfEffect * a.f.effect_rms / a.channel.scale; });
+}
+
 bool is_unclear_loop(const Asked& a) {
   constexpr double kErrors = 2.0;
   return (a.f.effect == "hysteresis" || a.f.effect == "backlash") && a.any_width([](const FoundParameter& p) { return std::abs(p.value) < kErrors * p.u; });
@@ -211,6 +218,7 @@ constexpr std::pair<Cap, bool (*)(const Asked&)> kTests[] = {
     {Cap::undeclared_wheel, is_undeclared_wheel},
     {Cap::loop_ahead, is_loop_ahead},
     {Cap::unclear_loop, is_unclear_loop},
+    {Cap::loop_too_wide, is_loop_too_wide},
     {Cap::play_ahead, is_play_ahead},
     {Cap::ordinary_servo, is_ordinary_servo},
     {Cap::bump_that_stays, is_bump_that_stays},

@@ -25,6 +25,7 @@ enum class Cap {
   undeclared_wheel,
   loop_ahead,          ///< of a sensor
   unclear_loop,        ///< of a sensor or a rig
+  loop_too_wide,       ///< for what it explains
   play_ahead,
   ordinary_servo,
   bump_that_stays,     ///< after a change of frequency
@@ -62,6 +63,7 @@ inline constexpr std::array kCaps = {
     CapRow{Cap::loop_ahead, "loop_ahead", kWithdrawn,
            "a film is behind its load; that an output is ahead of it by so little is what a late or coarse reference leaves"},
     CapRow{Cap::unclear_loop, "unclear_loop", kWithdrawn, "its loop is no wider than that is known"},
+    CapRow{Cap::loop_too_wide, "loop_too_wide", kWithdrawn, "a loop as wide as that would make far more than it explains: its elements cancel each other"},
     CapRow{Cap::play_ahead, "play_ahead", kWithdrawn, "nobody reads the angle, and no play is ahead of its command"},
     CapRow{Cap::ordinary_servo, "ordinary_servo", kWithdrawn, "nobody reads the angle, and a servo leaves as much between command and force"},
     CapRow{Cap::bump_that_stays, "bump_that_stays", kNoClaim, "it is not seen to fade back: a gain that goes with the frequency leaves the same", true},
