@@ -49,8 +49,10 @@ AgainstAngle against_angle(const CampaignInput& c, const RecordInput& r) {
 
 bool is_spindle(const CampaignInput& campaign) {
   constexpr double kOfLine = 0.1, kOfWheel = 0.5;  // of the variance; of what the wheel leaves
+  // a sine over 1.5 rad about its steepest place leaves six times as much of a line, whatever the wheel's zero is
+  constexpr double kStraight = 1e-4, kPlainly = 0.02, kFewest_rad = 1.5;
   double turned_rad = 0.0;
-  std::size_t move = 0, go_with_angle = 0;
+  std::size_t move = 0, go_with_angle = 0, straight = 0;
   for (const RecordInput& r : campaign.records) {
     if (std::isfinite(r.eccentricity_mm)) return false;
     const AgainstAngle a = against_angle(campaign, r);
@@ -59,8 +61,9 @@ bool is_spindle(const CampaignInput& campaign) {
     if (a.left_by_spindle_N2 > kOfLine * a.variance_N2 || a.left_by_spindle_N2 > kOfWheel * a.left_by_wheel_N2) continue;
     ++go_with_angle;
     turned_rad = std::max(turned_rad, a.turned_rad);
+    straight += a.turned_rad > kFewest_rad && a.left_by_spindle_N2 < kStraight * a.variance_N2 && a.left_by_spindle_N2 < kPlainly * a.left_by_wheel_N2 ? 1 : 0;
   }
-  return turned_rad > std::numbers::pi && 2 * go_with_angle > move;
+  return (turned_rad > std::numbers::pi && 2 * go_with_angle > move) || 2 * straight > move;
 }
 
 void take_spindle(CampaignInput& campaign) {

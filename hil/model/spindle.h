@@ -6,7 +6,8 @@
 namespace forcegate {
 
 /// Whether the force goes with the angle itself: in some record over more than half a turn, where that of a wheel would come back, and in most of those
-/// that move along a line that leaves less than half of what the wheel's law leaves. Not where an eccentricity is declared.
+/// that move along a line that leaves less than half of what the wheel's law leaves; or over 1.5 rad along a line that leaves 1 % (RMS), which no part of a
+/// turn of a wheel does. Not where an eccentricity is declared.
 bool is_spindle(const CampaignInput& campaign);
 
 /// Then takes the wheel's channels out of the records (their theta_rad stays), sets has_spindle instead of has_theta and notes it.

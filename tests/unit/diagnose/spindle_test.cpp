@@ -3,6 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <functional>
+
+#include "hil/model/spindle.h"
 #include "tests/unit/diagnose/turning_bench.h"
 
 namespace forcegate::diagnose {
@@ -46,6 +50,34 @@ TEST(Spindle, IsToldFromAWheelByTheWayOfTheForce) {
   EXPECT_EQ(claims(d), "");
   EXPECT_EQ(to_string(d.verdict), "none");
   EXPECT_THAT(diagnose(Bench{}).notes, Not(Contains(HasSubstr("spindle")))) << "a wheel";
+}
+
+// A record whose force is `of_N` of the angle, over `arc_rad` from `from_rad` on.
+bool read_as_spindle(double from_rad, double arc_rad, const std::function<double(double)>& of_N) {
+  CampaignInput c;
+  RecordInput r;
+  double low_N = HUGE_VAL, high_N = -HUGE_VAL;
+  for (int i = 0; i < 2000; ++i) {
+    const double th = from_rad + arc_rad * 0.5 * (1.0 - std::cos(0.01 * i)), f = of_N(th);
+    r.ok.push_back(1);
+    r.theta_rad.push_back(th);
+    r.cos_theta.push_back(std::cos(th));
+    r.F_N.push_back(f + 0.001 * std::sin(37.0 * i));
+    r.t_s.push_back(0.02 * i);
+    low_N = std::min(low_N, f), high_N = std::max(high_N, f);
+  }
+  c.lowest_N = low_N;
+  c.range_N = high_N - low_N;
+  c.records.assign(3, r);
+  return is_spindle(c);
+}
+
+TEST(Spindle, OfLessThanHalfATurnIsOneWhereNoPartOfAWheelIsAsStraight) {
+  const auto screw = [](double th) { return 1.0 + 1.7 * th; };
+  EXPECT_TRUE(read_as_spindle(0.2, 2.6, screw));
+  EXPECT_FALSE(read_as_spindle(1.0, 1.0, screw)) << "a wheel is as straight there";
+  for (double zero = 0.0; zero < 6.3; zero += 0.1)
+    for (const double arc : {1.0, 1.6, 2.6}) EXPECT_FALSE(read_as_spindle(0.0, arc, [zero](double th) { return 3.0 - 2.0 * std::cos(th + zero); })) << zero << ' ' << arc;
 }
 
 TEST(Spindle, ShowsAContactThatOpens) {
