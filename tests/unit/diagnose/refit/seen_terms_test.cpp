@@ -28,7 +28,17 @@ TEST(SeenTerms, AreThoseOfWhichARecordIsHalfAsLong) {
   EXPECT_EQ(seen(), 7U);
 }
 
-// Two exponentials that no power law describes, in records of two minutes.
+// Records of two minutes of a film without a decay, and a creep in its model.
+Result<Refit> with_creep(const Sensor& film) {
+  Model start;
+  start.law.decays = false;
+  EngineOptions options;
+  options.threads = 1;
+  options.law = start.law;
+  return refit_campaign(make_campaign(73, film), options, start, "creep");
+}
+
+// Two exponentials that no power law describes.
 TEST(SeenTerms, AreTheOnlyOnesThatAModelGets) {
   const auto film = [](const std::vector<double>& t, const std::vector<double>& F, int) {
     std::vector<double> U;
@@ -42,12 +52,7 @@ TEST(SeenTerms, AreTheOnlyOnesThatAModelGets) {
     }
     return U;
   };
-  Model start;
-  start.law.decays = false;
-  EngineOptions options;
-  options.threads = 1;
-  options.law = start.law;
-  const auto refit = refit_campaign(make_campaign(73, film), options, start, "creep");
+  const auto refit = with_creep(film);
   ASSERT_TRUE(refit) << refit.error().to_text();
   bool any = false;
   for (const ModelEffect& effect : refit->model.effects) {
@@ -66,31 +71,24 @@ TEST(SeenTerms, AreTheOnlyOnesThatAModelGets) {
 
 // A form that comes beside the first one brings its columns one by one.
 TEST(SeenTerms, StayOutThoughAFurtherFormHasThem) {
-  for (const double tau_s : {50.0})
-    for (const double share : {0.05, 0.3}) {
-      const auto film = [&](const std::vector<double>& t, const std::vector<double>& F, int) {
-        std::vector<double> U;
-        double y = 0.0;
-        for (std::size_t i = 0; i < F.size(); ++i) {
-          if (i > 0) y += (F[i] - y) * (t[i] - t[i - 1]) / tau_s;
-          U.push_back(2.0 * (F[i] + share * y) + 0.2);
+  for (const double share : {0.05, 0.3}) {
+    const auto refit = with_creep([share](const std::vector<double>& t, const std::vector<double>& F, int) {
+      std::vector<double> U;
+      double y = 0.0;
+      for (std::size_t i = 0; i < F.size(); ++i) {
+        if (i > 0) y += (F[i] - y) * (t[i] - t[i - 1]) / 50.0;
+        U.push_back(2.0 * (F[i] + share * y) + 0.2);
+      }
+      return U;
+    });
+    ASSERT_TRUE(refit) << refit.error().to_text();
+    const bool told = std::ranges::any_of(refit->notes, [](const std::string& note) { return note.find("terms of 300 s and longer are left out") != std::string::npos; });
+    for (const ModelEffect& effect : refit->model.effects)
+      for (const ModelParameter& p : effect.strength)
+        if (p.name == "k_300s" || p.name == "k_1000s") {
+          EXPECT_TRUE(!told || p.value == 0.0) << share << ": " << p.name << " = " << p.value;
         }
-        return U;
-      };
-      Model start;
-      start.law.decays = false;
-      EngineOptions options;
-      options.threads = 1;
-      options.law = start.law;
-      const auto refit = refit_campaign(make_campaign(73, film), options, start, "creep");
-      ASSERT_TRUE(refit) << refit.error().to_text();
-      const bool told = std::ranges::any_of(refit->notes, [](const std::string& note) { return note.find("terms of 300 s and longer are left out") != std::string::npos; });
-      for (const ModelEffect& effect : refit->model.effects)
-        for (const ModelParameter& p : effect.strength)
-          if (p.name == "k_300s" || p.name == "k_1000s") {
-            EXPECT_TRUE(!told || p.value == 0.0) << tau_s << " s, " << share << ": " << p.name << " = " << p.value;
-          }
-    }
+  }
 }
 
 }  // namespace
