@@ -77,7 +77,7 @@ std::string left_out(std::span<const Check* const> checks) {
       {"conformance", "conformance"}, {"rig_golden", "comparison with the golden traces"}, {"golden_firmware", "firmware against its golden trace"}};
   std::string text;
   for (const auto& [id, name] : kComparisons) {
-    const auto is_left_out = [&](const Check* c) { return c != nullptr && c->id == id && c->verdict == Verdict::not_run && !c->required; };
+    const auto is_left_out = [&id = id](const Check* c) { return c != nullptr && c->id == id && c->verdict == Verdict::not_run && !c->required; };
     const auto first = std::find_if(checks.begin(), checks.end(), is_left_out);
     if (first != checks.end()) text += fmt::format("; {} was not run: {}", name, (*first)->evidence);
   }

@@ -149,7 +149,7 @@ Result<RepeatabilityAnswer> repeatability(const RepeatabilityRequest& request, c
     // One specimen under one profile repeats better than one of its records is known: a good build must pass by U = 2 u.
     const DerivedLimit derived = derive_limit(list, m.sd + moments(u[key]).mean, like[key].unit);
     const auto planned = std::find_if(plan.cases.begin(), plan.cases.end(),
-                                      [&](const PlanCase& c) { return c.name == key.first; });
+                                      [&key = key](const PlanCase& c) { return c.name == key.first; });
     double given = std::nan("");  // limit of the plan
     if (planned != plan.cases.end() && key.second == "mre_maxima")
       given = planned->maxima_pct.value_or(given);

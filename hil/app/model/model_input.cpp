@@ -78,7 +78,7 @@ bool is_overload(const Campaign& campaign, const std::string& header) {
 // One record without numbers among others is left out; where all are, the column says nothing, which is no word on force or output.
 Result<void> check_holds_numbers(const Campaign& campaign) {
   for (const auto& [name, what] : {std::pair{"F_ref", "the force"}, std::pair{"U", "the output"}}) {
-    const auto holds_none = [&](const Record& record) {
+    const auto holds_none = [&name = name](const Record& record) {
       const Channel* channel = record.trace.find(name);
       return channel != nullptr && std::ranges::none_of(channel->value, [](double v) { return std::isfinite(v); });
     };

@@ -110,8 +110,8 @@ std::vector<Tick> symmetric_log_ticks(double low, double high, double linear_wit
   const auto side = [](double value) { return value < 0.0 ? -1 : value > 0.0 ? 1 : 0; };
   for (const auto& [tick, label] : spare) {
     const auto labelled = [&](const Tick& t) { return !t.label.empty(); };
-    const auto alike = [&](const Tick& t) { return labelled(t) && side(t.value) == side(tick.value); };
-    const auto near = [&](const Tick& t) {
+    const auto alike = [&, &tick = tick](const Tick& t) { return labelled(t) && side(t.value) == side(tick.value); };
+    const auto near = [&, &tick = tick](const Tick& t) {
       return labelled(t) && std::abs(std::asinh(t.value / linear_within) - std::asinh(tick.value / linear_within)) < kRoom * length;
     };
     if (std::ranges::count_if(ticks, alike) > 1 || std::ranges::any_of(ticks, near)) continue;
