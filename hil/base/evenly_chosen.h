@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "hil/base/mixed_bits.h"
+
 namespace forcegate {
 
 /// Of `size` samples, asked in turn, one of every size / most that follow each other (all of them where there are no more than `most`), so `most` to
@@ -19,20 +21,12 @@ class EvenlyChosen {
     const bool is = at_ == chosen_;
     if (++at_ == block_) {
       at_ = 0;
-      chosen_ = static_cast<std::size_t>(mixed(++number_) % block_);
+      chosen_ = static_cast<std::size_t>(mixed_bits(++number_ * kMixStep) % block_);
     }
     return is;
   }
 
  private:
-  // splitmix64 (Steele, Lea and Flood 2014)
-  static std::uint64_t mixed(std::uint64_t x) {
-    x *= 0x9E3779B97F4A7C15u;
-    x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9u;
-    x = (x ^ (x >> 27)) * 0x94D049BB133111EBu;
-    return x ^ (x >> 31);
-  }
-
   std::size_t block_, at_ = 0, chosen_ = 0;
   std::uint64_t number_ = 0;
 };

@@ -3,17 +3,13 @@
 #include <array>
 #include <bit>
 
+#include "hil/base/mixed_bits.h"
 #include "hil/base/portable_math.h"
 
 namespace forcegate {
 namespace {
 
-std::uint64_t splitmix(std::uint64_t& state) {
-  std::uint64_t z = (state += 0x9E3779B97F4A7C15ULL);
-  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
-  z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
-  return z ^ (z >> 31);
-}
+std::uint64_t splitmix(std::uint64_t& state) { return mixed_bits(state += kMixStep); }
 
 constexpr int kLayers = 256;
 constexpr double kTail = 3.6541528853610088;  // start of the tail for 256 layers

@@ -96,7 +96,7 @@ Structure structure_of(const ResidualChannel& channel, const std::vector<std::ve
 Remainder remainder_of(const Workspace& w, const Selection& selection, unsigned threads) {
   constexpr double kNearlyAll = 0.8;
   constexpr double kLarge = 0.01;  // how a swept record decays differs from law to law by some tenths of a per cent
-  constexpr double kPlainly = 6.0, kNotSmall = 0.003;  // times the noise: the decay of an honest record leaves five at most; of the span
+  constexpr double kPlainly = 6.0, kNotSmall = 0.003;  // times the noise: a decay with a course of its own leaves less; of the span
   Remainder out;
   out.noise_rms = allowed_rms(w.output);
   out.explained = selection.excess_before > 0.0 ? 1.0 - selection.excess_after / selection.excess_before : 1.0;

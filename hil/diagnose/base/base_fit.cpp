@@ -7,6 +7,7 @@
 #include <limits>
 #include <numeric>
 
+#include "hil/base/mixed_bits.h"
 #include "hil/base/parallel.h"
 #include "hil/diagnose/base/own_decay.h"
 #include "hil/diagnose/base/repeatability.h"
@@ -22,13 +23,6 @@ namespace forcegate::diagnose {
 namespace {
 
 constexpr double kLargestShift = 12.0;
-
-std::uint64_t mixed(std::uint64_t x) {
-  x += 0x9e3779b97f4a7c15ull;
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
-  return x ^ (x >> 31);
-}
 
 // A file of means shows no step, and its means keep what the noise before the converter did not dither: of that the declared noise tells, for
 // what the means scatter by is less.
@@ -84,7 +78,7 @@ std::vector<std::size_t> choose_rows(const RecordInput& record, std::size_t limi
   std::vector<std::size_t> out;
   const double stride = static_cast<double>(good.size()) / static_cast<double>(limit);
   for (std::size_t j = 0; j < limit; ++j) {
-    const double u = static_cast<double>(mixed(j) >> 11) * 0x1.0p-53;
+    const double u = static_cast<double>(mixed_bits(j + kMixStep) >> 11) * 0x1.0p-53;
     out.push_back(
         good[std::min(good.size() - 1, static_cast<std::size_t>((static_cast<double>(j) + u) * stride))]);
   }
@@ -372,7 +366,7 @@ class BaseSearch {
   unsigned threads_;
   const std::vector<Candidate>& beside_;
   std::vector<std::vector<std::size_t>> rows_;  // that are fitted, of each record
-  Place start_;
+  Place start_;                                 // of every search
   std::vector<Step> steps_;                     // of each record
   std::vector<Eigen::MatrixXd> S_;              // of `beside`
   int width_ = 0;                               // columns of S

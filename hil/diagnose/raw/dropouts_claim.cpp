@@ -5,8 +5,6 @@
 #include <cstddef>
 #include <string>
 
-#include "hil/diagnose/raw/sent_on_change.h"
-
 namespace forcegate::diagnose {
 
 namespace {
@@ -91,12 +89,11 @@ bool are_many(const std::vector<RecordHealth>& health, const HealthTotals& total
 }  // namespace
 
 std::optional<HealthClaim> claim_of_dropouts(const std::vector<RecordHealth>& health, const HealthTotals& totals, const HealthScales& scales,
-                                             bool missing_codes) {
+                                             bool holds_lose_nothing) {
   if (auto missing = claim_of_missing(totals)) return missing;
   if (auto repeated = claim_of_repeated(totals)) return repeated;
-  if (step_of_sent_changes(health)) return std::nullopt;
-  const bool plain_silence = !missing_codes && is_plain_silence(totals);
-  const bool plain_holds = !missing_codes && are_plain_holds(health, totals, scales);
+  const bool plain_silence = !holds_lose_nothing && is_plain_silence(totals);
+  const bool plain_holds = !holds_lose_nothing && are_plain_holds(health, totals, scales);
   const double lost = totals.held + (plain_silence ? totals.silent : 0.0) + totals.zeros;
   if (!are_plain_zeros(totals) && !plain_holds && !plain_silence && !are_many(health, totals, lost)) return std::nullopt;
   return HealthClaim{"dropouts", 0.95,

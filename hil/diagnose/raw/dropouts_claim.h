@@ -9,8 +9,9 @@
 
 namespace forcegate::diagnose {
 
-/// `missing_codes`: runs of one value are codes that the converter holds (held_codes.h), taken off `totals.held` already.
+/// `holds_lose_nothing`: runs of one value are codes that the converter holds (held_codes.h) or values that a logger sends anew only when they have
+/// changed (sent_on_change.h), taken off `totals.held` already.
 std::optional<HealthClaim> claim_of_dropouts(const std::vector<RecordHealth>& health, const HealthTotals& totals, const HealthScales& scales,
-                                             bool missing_codes);
+                                             bool holds_lose_nothing);
 
 }  // namespace forcegate::diagnose

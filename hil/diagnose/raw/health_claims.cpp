@@ -59,10 +59,11 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
     // a sample on the other side of a gap stands off its neighbours too
     totals.at_rail = totals.outliers = totals.bit_errors = 0.0;
   }
-  if (step_of_sent_changes(health)) totals.at_rail = 0.0;  // the highest value is held as the others are
+  const bool sends_changes = step_of_sent_changes(health).has_value();
+  if (sends_changes) totals.held = totals.at_rail = 0.0;  // the highest value is held as the others are
   add(claim_of_bit_errors(totals, scales));
   add(claim_of_outliers(health, totals, scales));
-  std::optional<HealthClaim> dropouts = claim_of_dropouts(health, totals, scales, codes.found);
+  std::optional<HealthClaim> dropouts = claim_of_dropouts(health, totals, scales, codes.found || sends_changes);
   const bool held_at_top = dropouts && is_held_at_top(health, totals);
   add(std::move(dropouts));
   if (!held_at_top) add(claim_of_clipping(totals, scales));

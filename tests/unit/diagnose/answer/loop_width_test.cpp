@@ -1,7 +1,9 @@
 // The width that is told of a loop, beside what the loop explains.
 
+#include <cmath>
+
 #include "hil/diagnose/answer/reservation.h"
-#include "tests/unit/diagnose/made_campaign.h"
+#include "tests/unit/diagnose/made_recording.h"
 
 namespace forcegate::diagnose {
 namespace {
@@ -27,24 +29,12 @@ TEST(LoopWidth, FarBeyondWhatItExplainsIsNoLoop) {
 
 // Ten samples of each cycle of a bent sensor, two to a row: what the curve does within a row is neither force nor rate of the row.
 TEST(LoopWidth, ABentSensorUnderFastCyclesHasNoLoopOfHalfItsSpan) {
-  Campaign c;
-  c.name = "fast";
-  Record r;
-  r.name = "fast";
-  Rng rng(71, "fast");
-  TimeBase clock;
-  std::vector<double> F, U;
-  for (int i = 0; i < 100000; ++i) {
-    const double t = 0.01 * i, f = 0.5 - 2.0 * std::cos(20.0 * M_PI * t);
-    clock.t_s.push_back(t);
-    F.push_back(f + 0.003 * rng.normal());
-    U.push_back(2.0 * f + f * f / 30.0 + 0.5 + 0.003 * rng.normal());
-  }
-  r.trace.time_bases.push_back(clock);
-  r.trace.channels.push_back({"F_ref", "N", "force", 0, F, {}});
-  r.trace.channels.push_back({"U", "V", "voltage", 0, U, {}});
-  c.records.push_back(std::move(r));
-  const Diagnosis d = answer(std::move(c));
+  const auto bent = [](const std::vector<double>&, const std::vector<double>& F) {
+    std::vector<double> U;
+    for (const double f : F) U.push_back(2.0 * f + f * f / 30.0 + 0.5);
+    return U;
+  };
+  const Diagnosis d = answer(recording(100.0, 100000, [](double t) { return 0.5 - 2.0 * std::cos(20.0 * M_PI * t); }, bent, 0.003));
   EXPECT_LT(probability(d, "hysteresis"), 0.5) << told(d);
 }
 
