@@ -176,7 +176,7 @@ void tell_sent_on_change(const Workspace& w, Diagnosis& out) {
   else out.verdict = DiagnosisVerdict::unknown;
   if (std::ranges::find(out.depends_on, "output") == out.depends_on.end()) out.depends_on.emplace_back("output");
   const PrintedUnit unit = printed_unit(w.output.unit);
-  out.follows.push_back(fmt::format("a logger that sends the output only when it has moved by some {:.2g} {}", unit.factor * *step_V, unit.name));
+  out.follows.push_back(fmt::format("a logger that sends the output only when it has moved by some {} {}", plain_number(unit.factor * *step_V), unit.name));
 }
 
 // A fault of the wheel's form moves sensor and reference alike: the rig's law alone shows it.
