@@ -58,7 +58,6 @@ struct RecordRows {
 
 struct RecordShift {
   double log_b = 0.0, log_q = 0.0;
-  double loading = 0.0;  ///< share of the decay's clock that goes with the loading done (hil/model/decay_clock.h), one for all records
 };
 
 /// What a channel knows beside its numbers: what competes in it, and in which units.

@@ -281,13 +281,15 @@ Result<void> read_head(const toml::table& root, Model& out, const std::string& w
 // A coefficient of the law in the unit and the range that it must have.
 Result<void> check_coefficient(const ModelParameter& p, std::string_view name, const std::string& output_unit, const std::string& where) {
   constexpr double kBeyondAny = 1e12;  // a slip of the exponent, in whatever unit the output comes
-  const bool is_gain = name == "gain_N_per_V", is_scale = name == "b_scale" || name == "q_scale";
-  const std::string wanted = is_gain ? "N/" + output_unit : name == "offset_N" ? "N" : is_scale ? "1" : p.unit;
+  const bool is_gain = name == "gain_N_per_V", is_scale = name == "b_scale" || name == "q_scale", is_share = name == "loading_share";
+  const std::string wanted = is_gain ? "N/" + output_unit : name == "offset_N" ? "N" : is_scale || is_share ? "1" : p.unit;
   FORCEGATE_CHECK_OK(is_in(p, wanted, where));
   const double size = std::abs(p.value);
   if (is_gain && p.value == 0.0) return fail(ErrorCode::config, "gain_N_per_V must not be 0", where, "write the newtons that one volt means");
   if (size > kBeyondAny || (is_gain && size < 1.0 / kBeyondAny))
     return fail(ErrorCode::config, fmt::format("{} = {} is beyond any sensor", name, p.value), where, "check its exponent");
+  if (is_share && !(p.value >= 0.0 && p.value <= 1.0))
+    return fail(ErrorCode::config, fmt::format("loading_share = {} is no share", p.value), where, "0: the decay goes with the time; 1: with the loading done");
   if (is_scale && !(p.value > 0.0))
     return fail(ErrorCode::config, fmt::format("{} = {} is not above 0", name, p.value), where, "1 is the paper's");
   return {};
@@ -310,6 +312,7 @@ Result<void> read_coefficients(const toml::table& law, Model& out, const std::st
   FORCEGATE_CHECK_OK(take("b_slope_s_per_s", out.law.b_slope, nullptr));
   FORCEGATE_CHECK_OK(take("b_intercept_per_s", out.law.b_intercept_per_s, nullptr));
   FORCEGATE_CHECK_OK(take("q_curvature_per_N2", out.law.q_curvature, nullptr));
+  FORCEGATE_CHECK_OK(take("loading_share", out.law.loading_share, nullptr));
   return {};
 }
 
@@ -317,7 +320,7 @@ Result<void> read_law(const toml::table& root, Model& out, const std::string& wh
   FORCEGATE_TRY(const toml::table* const law, section_of(root, "law", where));
   if (law == nullptr) return fail(ErrorCode::config, "the model has no [law]", where, "forcegate fit writes one");
   FORCEGATE_CHECK_OK(known_keys(*law, {"kind", "span_N", "gain_N_per_V", "offset_N", "b_scale", "q_scale", "b_slope_s_per_s",
-                                       "b_intercept_per_s", "q_curvature_per_N2", "lowest_N", "temperature_C", "humidity_pct", "drive_V",
+                                       "b_intercept_per_s", "q_curvature_per_N2", "loading_share", "lowest_N", "temperature_C", "humidity_pct", "drive_V",
                                        "travel_N"}, where));
   FORCEGATE_TRY(const std::string kind, value_of(*law, "kind", std::string("decaying"), where));
   if (kind != "static" && kind != "decaying")

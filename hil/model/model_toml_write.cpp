@@ -58,6 +58,7 @@ std::string write_model(const Model& m) {
     line("q_scale", m.law.q_scale, m.se_q_scale, "1");
     out += fmt::format("b_slope_s_per_s = {}\nb_intercept_per_s = {}\nq_curvature_per_N2 = {}\n",
                        number(m.law.b_slope), number(m.law.b_intercept_per_s), number(m.law.q_curvature));
+    if (m.law.loading_share > 0.0) out += fmt::format("loading_share = {}\n", number(m.law.loading_share));
   }
   for (const ModelEffect& e : m.effects) {
     out += fmt::format("\n[[effect]]\nname = \"{}\"\nform = \"{}\"\n", e.effect, e.form);

@@ -42,6 +42,7 @@ RecordInput synthetic(const Force& force_N, double duration_s) {
   r.rate_N_per_s.assign(n, 0.0);
   r.travel_N.assign(n, 0.0);
   for (std::size_t i = 1; i + 1 < n; ++i) r.rate_N_per_s[i] = (r.F_N[i + 1] - r.F_N[i - 1]) / (2.0 * kRow_s);
+  for (std::size_t i = 1; i < n; ++i) r.travel_N[i] = r.travel_N[i - 1] + std::abs(r.F_N[i] - r.F_N[i - 1]);
   return r;
 }
 

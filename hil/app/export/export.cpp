@@ -184,6 +184,9 @@ Result<ExportResult> export_model(const ExportRequest& request) {
     out.notes.push_back(text);
     options.provenance.push_back(text + ".");
   }
+  if (model.law.decays && model.law.loading_share > 0.0)
+    out.notes.push_back(fmt::format("the decay goes with the loading done (loading_share = {}): the shrink that the firmware hands over has to count it, and the reference firmware counts the time alone",
+                                    shortest(model.law.loading_share)));
   FORCEGATE_TRY(out.compensator, make_compensator(model, options));
   FORCEGATE_TRY(out.self, check_itself(model, out.compensator, options));
   out.calibration = options.calibration;

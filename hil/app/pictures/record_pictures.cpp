@@ -80,7 +80,9 @@ bool set_model(const CampaignInFrame* in_frame, const Model& model, const diagno
   if (!finish(m)) return false;
   if (r.dynamic && model.law.decays && record < w.shifts.size()) {
     ModelledRecord own = m;
-    set_decay(all, model.law, w.shifts[record].log_b, w.shifts[record].log_q, w.shifts[record].loading);
+    BaseLaw law = model.law;
+    law.loading_share = w.law.loading_share;
+    set_decay(all, law, w.shifts[record].log_b, w.shifts[record].log_q);
     own.model = model_rows(in_frame, model, all);
     if (finish(own) && own.rms < m.rms) m = std::move(own);
   }

@@ -11,6 +11,7 @@
 #include "hil/base/plain_number.h"
 #include "hil/diagnose/base/own_decay.h"
 #include "hil/diagnose/diagnosis.h"
+#include "hil/model/decay_clock.h"
 
 namespace forcegate::diagnose {
 
@@ -19,7 +20,7 @@ namespace {
 void tell_of_one_recording(const Workspace& w, Diagnosis& out) {
   const RecordInput& r = w.input.records.front();
   if (!w.law.decays || !r.dynamic || r.decay.empty()) return;
-  const double by_law = decay_factor(r.t_s.back() - r.onset_s, w.law.decay_rate_per_s(r.f_Hz), w.law.depth_ratio(r.A_N));
+  const double by_law = decay_factor(DecayClock(r, w.law.loading_share)(r.rows() - 1), w.law.decay_rate_per_s(r.f_Hz), w.law.depth_ratio(r.A_N));
   out.notes.push_back(fmt::format("its swing goes down to {:.3g} % by the end of the recording, which is taken for the decay of the base law; by the model's constants it would be {:.3g} %",
                                   100.0 * r.decay.back(), 100.0 * by_law));
 }

@@ -9,6 +9,7 @@
 
 #include "hil/base/mixed_bits.h"
 #include "hil/base/parallel.h"
+#include "hil/base/text.h"
 #include "hil/diagnose/base/own_decay.h"
 #include "hil/diagnose/base/repeatability.h"
 #include "hil/diagnose/raw/record_scales.h"
@@ -176,6 +177,12 @@ Eigen::MatrixXd columns_beside(const Workspace& w, const RecordInput& of, const 
   return out;
 }
 
+std::string clock_in_words(double loading_share) {
+  if (loading_share == 0.0) return "the decay goes with the time: by the loading done, as the model has it, it fits worse";
+  return fmt::format("the decay goes {} the loading done, not with the time alone: where the load pauses it pauses too (loading_share = {} in a model file)",
+                     loading_share < 1.0 ? "partly with" : "with", shortest(loading_share));
+}
+
 // Gain, zero and decay of every record, and the columns of what the model has beside its law. The decay is not linear in its rate and depth:
 // each round goes a step towards what the one before found.
 class BaseSearch {
@@ -194,7 +201,7 @@ class BaseSearch {
     else if (w_.law.decays)
       choose_excitation(w_, rows_);
     if (const double slope = slope_at_rest(w_.input); slope != 0.0) w_.gain_V_per_N = slope;
-    start_ = {w_.shifts, w_.gain_V_per_N};
+    start_ = place();
   }
 
   MixedFit with_law_that_fits() {
@@ -203,13 +210,13 @@ class BaseSearch {
   }
 
   void set_decays() {
-    parallel_for(records(), threads_, [&](std::size_t k) { set_decay(w_.input.records[k], w_.law, w_.shifts[k].log_b, w_.shifts[k].log_q, w_.shifts[k].loading); });
+    parallel_for(records(), threads_, [&](std::size_t k) { set_decay(w_.input.records[k], w_.law, w_.shifts[k].log_b, w_.shifts[k].log_q); });
   }
 
  private:
   struct Place {
     std::vector<RecordShift> shifts;
-    double gain_V_per_N = 0.0;
+    double gain_V_per_N = 0.0, loading_share = 0.0;
   };
   struct Step {
     double longest = 0.5;
@@ -228,14 +235,12 @@ class BaseSearch {
     MixedFit with = along_its_clock();
     const Place found = place();
     w_.law.decays = false;
-    go_to({std::vector<RecordShift>(records()), start_.gain_V_per_N});
+    go_to({std::vector<RecordShift>(records()), start_.gain_V_per_N, 0.0});
     MixedFit without = run(kRoundsAtRest);
     if (with.valid && (!without.valid || with.log_evidence >= without.log_evidence - kNats)) {
       w_.law = decaying;
       go_to(found);
-      if (const double share = found.shifts.front().loading; share > 0.0)
-        w_.input.notes.push_back(fmt::format("the decay goes {} the loading done, not with the time alone: where the load pauses it pauses too; a model file knows the time only, so "
-                                             "the error of one law for all is larger", share < 1.0 ? "partly with" : "with"));
+      if (found.loading_share != start_.loading_share) w_.input.notes.push_back(clock_in_words(found.loading_share));
       return with;
     }
     w_.decays_otherwise = without.valid && own_courses_decay(w_.input, without);
@@ -245,10 +250,11 @@ class BaseSearch {
     return without;
   }
 
-  Place place() const { return {w_.shifts, w_.gain_V_per_N}; }
+  Place place() const { return {w_.shifts, w_.gain_V_per_N, w_.law.loading_share}; }
   void go_to(const Place& place) {
     w_.shifts = place.shifts;
     w_.gain_V_per_N = place.gain_V_per_N;
+    w_.law.loading_share = place.loading_share;
   }
 
   // Under even cycling there is one clock; of a load that pauses the records tell which one their decay keeps to. What another one leaves most of is
@@ -258,11 +264,11 @@ class BaseSearch {
     const auto left = [](const MixedFit& fit) { return std::reduce(fit.adapted.begin(), fit.adapted.end()); };
     MixedFit best = run(kRounds);
     const double least = best.valid ? kOfError * left(best) : std::numeric_limits<double>::infinity();
-    if (std::ranges::none_of(w_.input.records, [](const RecordInput& r) { return r.dynamic && DecayClock(r, 1.0).unevenness() > kUneven; })) return best;
+    if (std::ranges::none_of(w_.input.records, [](const RecordInput& r) { return r.dynamic && unevenness_of_loading(r) > kUneven; })) return best;
     Place found = place();
-    for (const double share : {0.5, 1.0}) {
-      go_to(start_);
-      for (RecordShift& shift : w_.shifts) shift.loading = share;
+    for (const double share : {0.0, 0.5, 1.0}) {
+      if (share == start_.loading_share) continue;
+      go_to({start_.shifts, start_.gain_V_per_N, share});
       const MixedFit fit = run(kRounds);
       if (!fit.valid || !(left(fit) < least) || (best.valid && fit.log_evidence < best.log_evidence + kNats)) continue;
       best = fit;
@@ -379,7 +385,7 @@ void fit_base(Workspace& w, unsigned threads, const std::vector<Candidate>& besi
   search.start();
   const MixedFit chosen = search.with_law_that_fits();
   search.set_decays();
-  if (chosen.valid) parallel_for(w.input.records.size(), threads, [&](std::size_t k) { follow_course(chosen, k, w.shifts[k].loading, w.input.records[k]); });
+  if (chosen.valid) parallel_for(w.input.records.size(), threads, [&](std::size_t k) { follow_course(chosen, k, w.law.loading_share, w.input.records[k]); });
   set_noise(w, threads);
 }
 

@@ -110,7 +110,7 @@ Eigen::MatrixXd repeatability_columns(const Workspace& w, std::size_t index,
   const double g = w.gain_V_per_N / w.input.U_range_V;
   const double b = w.law.decay_rate_per_s(r.f_Hz) * std::exp(w.shifts[index].log_b);
   const double q = w.law.depth_ratio(r.A_N) * std::exp(w.shifts[index].log_q);
-  const DecayClock clock(r, w.shifts[index].loading);
+  const DecayClock clock(r, w.law.loading_share);
   for (std::size_t j = 0; j < rows.size(); ++j) {
     const std::size_t i = rows[j];
     const auto row = static_cast<Eigen::Index>(j);

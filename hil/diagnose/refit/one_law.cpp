@@ -111,7 +111,8 @@ Result<Trial> best_usable(LawFitter& fitter, const Model& start, std::vector<Tri
 // Samples that a fit throws out are thrown out here too, and it is decided from the output which records decay. Every row counts.
 struct FittedRows {
   CampaignInput input;
-  std::string unit;  ///< of the output
+  std::string unit;            ///< of the output
+  double loading_share = 0.0;  ///< of the clock that the decay keeps to
 };
 Result<FittedRows> rows_as_fitted(Campaign campaign, const Model& start, unsigned threads) {
   constexpr std::size_t kFewest = 3;
@@ -131,7 +132,7 @@ Result<FittedRows> rows_as_fitted(Campaign campaign, const Model& start, unsigne
     r.wanted.clear();
     r.recording = w->input.records.front().recording;  // a firmware is switched on where the record begins: what the film kept it cannot know
   }
-  return FittedRows{std::move(w->input), w->output.unit};
+  return FittedRows{std::move(w->input), w->output.unit, w->law.loading_share};
 }
 
 std::string cost_of(const Trial& usable, const Trial& best, const PrintedUnit& unit) {
@@ -215,6 +216,7 @@ Result<OneLawFit> fit_one_law(Campaign campaign, const Model& start, const IsUsa
   out.notes = std::move(input.notes);
   FORCEGATE_TRY(const auto own_kinds, make_user_kinds(start.user_effects, input));
   BaseLaw first = start.law;
+  first.loading_share = rows.loading_share;
   if (none_decays(input)) first.decays = false;
   LawFitter fitter(std::move(input));
   Growing fit;

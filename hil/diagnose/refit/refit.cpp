@@ -129,6 +129,7 @@ void write_law(const Workspace& w, const MixedFit& fit, const ShapeCovariance& j
   if (!m.law.decays) return;
   out.moves.push_back({"b_scale", "1", start.law.b_scale, m.law.b_scale, m.se_b_scale});
   out.moves.push_back({"q_scale", "1", start.law.q_scale, m.law.q_scale, m.se_q_scale});
+  if (m.law.loading_share != start.law.loading_share) out.moves.push_back({"loading_share", "1", start.law.loading_share, m.law.loading_share, 0.0});
 }
 
 // 1 / sqrt(2 (n - 1)): GUM, E.4.3.

@@ -19,7 +19,7 @@ bool are_still(const std::vector<ModelParameter>& before, const std::vector<Mode
 }  // namespace
 
 bool stands_still(const Model& before, const Model& after) {
-  if (before.law.decays != after.law.decays) return false;
+  if (before.law.decays != after.law.decays || before.law.loading_share != after.law.loading_share) return false;
   if (!is_still(before.law.gain_N_per_V, after.law.gain_N_per_V, after.se_gain) || !is_still(before.law.offset_N, after.law.offset_N, after.se_offset)) return false;
   if (after.law.decays && !(is_still(before.law.b_scale, after.law.b_scale, after.se_b_scale) && is_still(before.law.q_scale, after.law.q_scale, after.se_q_scale))) return false;
   const bool library = std::ranges::equal(before.effects, after.effects, [](const ModelEffect& a, const ModelEffect& b) {

@@ -203,6 +203,12 @@ std::string opening_comment(const Model& model, const CompensatorOptions& option
       options.rate_Hz, made.operations, kEvaluations, made.state_bytes, made.noise_gain);
 }
 
+// Of a decay that goes with the time, which is what an implementation takes t for, nothing.
+std::string clock_of_decay(const BaseLaw& law) {
+  if (!law.decays || law.loading_share == 0.0) return "";
+  return "/* t is (1 - p) of the time since the cycling began and p of X/(4 A f), X the loading done since then: sum |dF|, N. */\n" + define("FG_COMP_LOADING_SHARE", law.loading_share);
+}
+
 std::string definitions(const Model& model, double rate_Hz, const Compensator& made) {
   const std::string guard =
       "#ifndef FORCEGATE_COMPENSATION_H\n#define FORCEGATE_COMPENSATION_H\n\n#include <stdint.h>\n#include <string.h>\n\n"
@@ -216,7 +222,7 @@ std::string definitions(const Model& model, double rate_Hz, const Compensator& m
          define("FG_COMP_GAIN_N_PER_V", model.law.gain_N_per_V) + define("FG_COMP_OFFSET_N", model.law.offset_N) +
          define("FG_COMP_B_SLOPE", model.law.b_slope) + define("FG_COMP_B_CONSTANT_PER_S", model.law.b_intercept_per_s) +
          define("FG_COMP_Q_CURVATURE_PER_N2", model.law.q_curvature) + define("FG_COMP_B_SCALE", model.law.b_scale) +
-         define("FG_COMP_Q_SCALE", model.law.q_scale) + "\n";
+         define("FG_COMP_Q_SCALE", model.law.q_scale) + clock_of_decay(model.law) + "\n";
 }
 
 std::string state_and_constants(const std::vector<CTerm>& terms) {

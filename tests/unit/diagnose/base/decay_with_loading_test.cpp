@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "hil/diagnose/refit/one_law.h"
 #include "hil/model/rows.h"
 #include "tests/unit/diagnose/made_campaign.h"
 
@@ -44,6 +45,24 @@ TEST(DecayWithLoading, ThatPausesWithTheLoadIsFollowed) {
   const Diagnosis d = answer(with_pauses(Clock::loading));
   EXPECT_EQ(d.verdict, DiagnosisVerdict::none) << told(d);
   EXPECT_TRUE(says_loading(d)) << told(d);
+}
+
+TEST(DecayWithLoading, TheModelOfAFitHasItsClock) {
+  const Model start = *library_model("flexiforce");
+  const auto fitted = refit_campaign(with_pauses(Clock::loading), {}, start, "");
+  ASSERT_TRUE(fitted.has_value()) << fitted.error().text;
+  EXPECT_EQ(fitted->model.law.loading_share, 1.0);
+  EXPECT_TRUE(std::ranges::any_of(fitted->moves, [](const ParameterMove& m) { return m.name == "loading_share" && m.before == 0.0 && m.after == 1.0; }));
+  const auto of_time = refit_campaign(with_pauses(Clock::time), {}, start, "");
+  ASSERT_TRUE(of_time.has_value()) << of_time.error().text;
+  EXPECT_EQ(of_time->model.law.loading_share, 0.0);
+}
+
+TEST(DecayWithLoading, OneLawForAllHasItToo) {
+  const auto fitted = fit_one_law(with_pauses(Clock::loading), *library_model("flexiforce"));
+  ASSERT_TRUE(fitted.has_value()) << fitted.error().text;
+  EXPECT_EQ(fitted->model.law.loading_share, 1.0);
+  EXPECT_LT(fitted->left_out_V, 0.02) << "of 6 V: along the time it is ten times as much";
 }
 
 TEST(DecayWithLoading, OneThatGoesWithTheTimeStaysWithIt) {
