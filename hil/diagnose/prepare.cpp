@@ -218,13 +218,13 @@ struct PreparedRecord {
 // The samples of each record are freed as soon as its rows are made.
 std::vector<PreparedRecord> prepare_records(Campaign& campaign, const HealthScales& scales, const EngineOptions& options) {
   std::vector<PreparedRecord> out(campaign.records.size());
-  const double row_step_s = row_step_of(campaign);
   // without a search only effects of the model itself ask for the angle
   const RowParts parts{.full_rate = true, .angle = options.search || !options.in_model.empty()};
   parallel_for_largest_first(sample_counts(campaign), options.threads, [&](std::size_t k) {
     Record& record = campaign.records[k];
     const Channel* force = options.search ? record.trace.find("F_ref") : nullptr;
     const std::vector<double> recorded_N = force != nullptr ? force->value : std::vector<double>();
+    const double row_step_s = row_step_of(record, campaign.records.size());
     CleanedSamples cleaned = clean_samples(record, scales, campaign.bench, options.pictures);
     out[k].health = std::move(cleaned.health);
     out[k].cuts = std::move(cleaned.cuts);

@@ -80,22 +80,23 @@ double share_that_output_follows(std::span<const double> force, std::span<const 
 
 }  // namespace
 
-double row_step_of(const Campaign& campaign) {
+double row_step_of(const Record& record, std::size_t records) {
   constexpr double kRows = 5000.0, kMostRows = 40000.0, kFast = 0.1;
-  const Channel* force = campaign.records.empty() ? nullptr : campaign.records.front().trace.find("F_ref");
-  if (campaign.records.size() != 1 || force == nullptr) return kRowStep_s;
-  const Channel* output = campaign.records.front().trace.find("U");
-  const std::vector<double>& t_s = campaign.records.front().trace.time_bases[force->time_base].t_s;
+  const Channel *force = record.trace.find("F_ref"), *output = record.trace.find("U");
+  if (force == nullptr) return kRowStep_s;
+  const std::vector<double>& t_s = record.trace.time_bases[force->time_base].t_s;
   if (t_s.size() < 2) return kRowStep_s;
   const double whole_s = t_s.back() - t_s.front(), sample_s = whole_s / static_cast<double>(t_s.size() - 1);
-  // what is too short for rows of 0.02 s is refused as such
-  double out = whole_s < kFewestRows * kRowStep_s ? kRowStep_s : std::min(kRowStep_s, whole_s / kRows);
+  const double most_rows = kMostRows / static_cast<double>(std::max<std::size_t>(1, records));
+  const bool alone = records == 1, is_short = whole_s < kFewestRows * kRowStep_s;  // for rows of 0.02 s: refused as such
+  double out = alone && !is_short ? std::min(kRowStep_s, whole_s / kRows) : kRowStep_s;
   for (bool fast = false; out > sample_s;) {
     const auto samples = static_cast<std::size_t>(samples_of_row(sample_s, out));
+    const double shorter = samples >= kFewestToTell ? std::max(0.5 * out, sample_s) : sample_s;
+    if (whole_s / shorter > most_rows) break;
     if (samples >= kFewestToTell)
       fast = share_within_rows(force->value, samples) > kFast || (output != nullptr && share_that_output_follows(force->value, output->value, samples) > kFast);
-    const double shorter = samples >= kFewestToTell ? std::max(0.5 * out, sample_s) : sample_s;
-    if (!fast || whole_s / shorter > kMostRows) break;
+    if (!fast) break;
     out = shorter;
   }
   return out;

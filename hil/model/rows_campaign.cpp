@@ -280,9 +280,9 @@ Result<CampaignInput> make_campaign_input(const Campaign& campaign, unsigned thr
   out.bench = campaign.bench;
   out.in_counts = is_in_counts(campaign);
   std::vector<Result<RecordInput>> made(campaign.records.size());
-  const double row_step_s = row_step_of(campaign);
   parallel_for_largest_first(sample_counts(campaign), threads, [&](std::size_t k) {
-    made[k] = make_record_input(campaign.records[k], bad.empty() ? std::span<const std::uint8_t>() : bad[k], row_step_s, parts);
+    const Record& record = campaign.records[k];
+    made[k] = make_record_input(record, bad.empty() ? std::span<const std::uint8_t>() : bad[k], row_step_of(record, campaign.records.size()), parts);
   });
   for (Result<RecordInput>& one : made) {
     FORCEGATE_TRY(RecordInput input, std::move(one));

@@ -32,12 +32,14 @@ std::string latency_note(const CampaignInput& input) {
   return fmt::format("the output leads the reference, by no more than the {:.3g} ms that its declared low-pass may be late by", 1e3 * latest_s);
 }
 
-double allowed_latency_s(const CampaignInput& input) {
-  double step_s = std::numeric_limits<double>::infinity();
+double shortest_sample_s(const CampaignInput& input) {
+  double out = std::numeric_limits<double>::infinity();
   for (const RecordInput& r : input.records)
-    if (const auto n = r.fast_t_s.size(); n > 1) step_s = std::min(step_s, (r.fast_t_s.back() - r.fast_t_s.front()) / static_cast<double>(n - 1));
-  return std::isfinite(step_s) ? std::max(kOrdinaryLatency_s, 0.5 * step_s) : kOrdinaryLatency_s;
+    if (const auto n = r.fast_t_s.size(); n > 1) out = std::min(out, (r.fast_t_s.back() - r.fast_t_s.front()) / static_cast<double>(n - 1));
+  return std::isfinite(out) ? out : 0.0;
 }
+
+double allowed_latency_s(const CampaignInput& input) { return std::max(kOrdinaryLatency_s, 0.5 * shortest_sample_s(input)); }
 
 double shift_s(const ResidualChannel& channel, const FamilyScore& family) {
   const Candidate& c = candidate_of(channel, family.best.variant);

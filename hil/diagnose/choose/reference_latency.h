@@ -14,6 +14,8 @@ inline constexpr const char* kLatencyEffect = "delay";
 /// By which the reference may be late, s: 12 ms, or what a declared low-pass of it is late by beyond the one pole that the output is behind too: a fourth
 /// order (Butterworth) has 2.6 / (2 pi f) and leaves 1.6 of them.
 double reference_latency_s(const CampaignInput& input);
+/// Between two samples of the fastest record; 0 where nothing was sampled.
+double shortest_sample_s(const CampaignInput& input);
 /// By which two instruments may be out of step, s: 12 ms, or half a sample of the fastest record where samples are further apart. A shift by less
 /// mixes neighbouring samples of the reference, and averages its noise as much whichever way it goes.
 double allowed_latency_s(const CampaignInput& input);

@@ -160,9 +160,12 @@ void mark_lone_spikes(const ForceAndOutput& samples, const RecordScales& scales,
   for (const Jump& jump : out.lone_jumps) out.outlier_square_V2 += (jump.to_V - jump.from_V) * (jump.to_V - jump.from_V);
 }
 
-double largest(const std::vector<double>& values) {
-  const auto or_lowest = [](double v) { return std::isfinite(v) ? v : -1e300; };
-  return *std::ranges::max_element(values, {}, or_lowest);
+// What a spike throws above a rail is no top of the output.
+double largest_unmarked(const std::vector<double>& values, const SampleMarks& marks) {
+  double out = -1e300;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (marks.at(i) == BadSample::none && std::isfinite(values[i])) out = std::max(out, values[i]);
+  return out;
 }
 
 void mark_suspect_runs(const ForceAndOutput& samples, const RecordScales& scales, SampleMarks& marks, RecordHealth& out) {
@@ -250,6 +253,7 @@ void find_bad_samples(const ForceAndOutput& samples, const RecordScales& scales,
     mark_lone(U, spikes, BadSample::zero, marks);
   else
     mark_lone_spikes(samples, scales, spikes, marks, out);
+  out.top_V = largest_unmarked(U, marks);
   mark_suspect_runs(samples, scales, marks, out);
   mark_silent_runs(samples, scales, marks, out);
   count_zeros(marks, thrown || has_short_spikes, lone_fall, out);
@@ -277,7 +281,6 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& campaign
   out.lsb_U_V = scales.lsb_U_V;
   out.lsb_F_N = scales.lsb_F_N;
   out.near_V = scales.near_V;
-  out.top_V = largest(samples->U_V());
   count_missing(samples->F_N(), samples->U_V(), out);
   measure_hum(*samples, scales, out);
   find_bad_samples(*samples, scales, campaign.thrown, out);

@@ -85,7 +85,13 @@ std::vector<Window> windows_of(std::span<const double> t_s, std::span<const doub
   return out;
 }
 
-constexpr double kStillWindow_s = 0.5;
+constexpr double kWindow_s = 0.25, kStillWindow_s = 0.5;
+
+// A record of a second has shorter windows rather than too few of them.
+double window_in_s(std::span<const double> t_s, double usual_s) {
+  constexpr double kWindows = 16.0;
+  return t_s.empty() ? usual_s : std::min(usual_s, (t_s.back() - t_s.front()) / kWindows);
+}
 
 // The output's own noise hides from a regression a force that moves less than that; the covariance it leaves alone.
 double moved_N2(double shared_NV, const OutputFacts& output) { return std::max(0.0, shared_NV / output.gain_V_per_N); }
@@ -172,7 +178,7 @@ void find_bursts(const std::vector<Window>& windows, const OutputFacts& output, 
 
 ReferenceScatter reference_scatter(std::span<const double> t_s, std::span<const double> F_N, std::span<const double> U_V, const OutputFacts& output) {
   // beyond kSlow of the record's span what the output does besides following the force would be laid at the reference's door
-  constexpr double kWindow_s = 0.25, kSlow = 0.1;
+  constexpr double kSlow = 0.1;
   constexpr std::size_t kFewest = 8;
   ReferenceScatter out;
   double low = std::numeric_limits<double>::infinity(), high = -low;
@@ -187,7 +193,7 @@ ReferenceScatter reference_scatter(std::span<const double> t_s, std::span<const 
     return *quarter;
   };
   std::vector<double> scatter, alone;
-  const std::vector<Window> windows = windows_of(t_s, F_N, U_V, kWindow_s);
+  const std::vector<Window> windows = windows_of(t_s, F_N, U_V, window_in_s(t_s, kWindow_s));
   for (const Window& w : windows) {
     if (w.moves_N < kSlow * (high - low)) scatter.push_back(w.scatter_N);
     alone.push_back(alone_in(w, output));
@@ -197,7 +203,7 @@ ReferenceScatter reference_scatter(std::span<const double> t_s, std::span<const 
   find_bursts(windows, output, lowest_V, out);
   out.quartile_N = lower_quartile(std::move(scatter));
   out.alone_N = lower_quartile(std::move(alone));
-  out.still_N = noise_of(still_among(windows_of(t_s, F_N, U_V, kStillWindow_s), output), output);
+  out.still_N = noise_of(still_among(windows_of(t_s, F_N, U_V, window_in_s(t_s, kStillWindow_s)), output), output);
   return out;
 }
 

@@ -6,6 +6,7 @@
 
 namespace forcegate::diagnose {
 
+/// Of records of less than 4 s, or 8 s, windows are a sixteenth of the record, and 24 samples at least.
 /// Standard deviations of F about a parabola over short windows, less what U shows too (a force that really moves moves the output), N.
 struct ReferenceScatter {
   double quartile_N = 0.0;  ///< lower quartile over windows of 0.25 s in which F keeps to a tenth of its span; 0: fewer than eight of them

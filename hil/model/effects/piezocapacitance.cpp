@@ -11,6 +11,7 @@
 #include "hil/model/effect.h"
 #include "hil/model/fading_memory.h"
 #include "hil/model/states.h"
+#include "hil/model/time_scale.h"
 
 namespace forcegate {
 namespace {
@@ -55,14 +56,16 @@ EffectForm fading() {
   return {.name = "fading",
           .shape = {{"fade", "1", 0.005, 0.6, 0.2, "F0, share of the force span"},
                     {"power", "1", 0.3, 3.0, 1.0, "p"},
-                    {"follow_s", "s", 5e-4, 0.05, kFollow_s, "pole of the amplifier"}},
+                    {"follow_s", "s", 5e-5, 0.05, kFollow_s, "pole of the amplifier"}},
           .strength = {{"c", "1", -50.0, 50.0, 0.0, "lead at mid force in units of 10 ms"}},
           .sign = StrengthSign::positive,
           .grid =
-              [](const CampaignInput&) {
+              [](const CampaignInput& c) {
+                constexpr double kUsualRow_s = 0.02;
                 std::vector<std::vector<double>> out;
-                for (const double fade : {0.03, 0.12, 0.5})
-                  for (const double power : {1.0, 2.0}) out.push_back({fade, power, kFollow_s});
+                for (const double scale : time_scales(c, kUsualRow_s))
+                  for (const double fade : {0.03, 0.12, 0.5})
+                    for (const double power : {1.0, 2.0}) out.push_back({fade, power, scale * kFollow_s});
                 return out;
               },
           .columns =

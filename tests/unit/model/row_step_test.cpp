@@ -28,18 +28,20 @@ Campaign recording(double rate_Hz, double seconds, const std::function<double(do
   return out;
 }
 
+double row_step_of_one(const Campaign& campaign) { return row_step_of(campaign.records.front(), 1); }
+
 double sine(double t, double f_Hz) { return 2.0 + std::sin(2.0 * std::numbers::pi * f_Hz * t); }
 
 TEST(RowStep, OfALongSlowRecordingIsAFiftiethOfASecond) {
-  EXPECT_EQ(row_step_of(recording(500.0, 120.0, [](double t) { return sine(t, 1.0); })), 0.02);
+  EXPECT_EQ(row_step_of_one(recording(500.0, 120.0, [](double t) { return sine(t, 1.0); })), 0.02);
 }
 
 TEST(RowStep, OfAShortOneIsAFiveThousandthOfIt) {
-  EXPECT_NEAR(row_step_of(recording(1000.0, 10.0, [](double t) { return sine(t, 1.0); })), 0.002, 1e-6);
+  EXPECT_NEAR(row_step_of_one(recording(1000.0, 10.0, [](double t) { return sine(t, 1.0); })), 0.002, 1e-6);
 }
 
 TEST(RowStep, ResolvesAForceThatIsFasterThanTheRows) {
-  const auto step = [](double f_Hz) { return row_step_of(recording(600.0, 60.0, [=](double t) { return sine(t, f_Hz); })); };
+  const auto step = [](double f_Hz) { return row_step_of_one(recording(600.0, 60.0, [=](double t) { return sine(t, f_Hz); })); };
   EXPECT_LT(step(70.0), 0.25 / 70.0);
   EXPECT_LT(step(30.0), 0.25 / 30.0);
 }
@@ -55,7 +57,7 @@ TEST(RowStep, ResolvesAWideBandThatTheOutputFollows) {
     return 0.6 * white[i] + 0.3 * (white[i - 1] + white[i + 1]);
   };
   Campaign wide = recording(kRate_Hz, 33.0, smoothed);
-  EXPECT_GT(row_step_of(wide), 2.5 / kRate_Hz);
+  EXPECT_GT(row_step_of_one(wide), 2.5 / kRate_Hz);
   Channel output = wide.records.front().trace.channels.front();
   output.name = "U";
   std::vector<double>& U = output.value;
@@ -65,22 +67,28 @@ TEST(RowStep, ResolvesAWideBandThatTheOutputFollows) {
   followed.records.front().trace.channels.push_back(output);
   for (double& u : U) u = rng.normal();
   unheeded.records.front().trace.channels.push_back(output);
-  EXPECT_LT(row_step_of(followed), 1.5 / kRate_Hz);
-  EXPECT_EQ(row_step_of(unheeded), row_step_of(wide));
+  EXPECT_LT(row_step_of_one(followed), 1.5 / kRate_Hz);
+  EXPECT_EQ(row_step_of_one(unheeded), row_step_of_one(wide));
 }
 
 TEST(RowStep, IsNotShortenedForNoise) {
-  EXPECT_GT(row_step_of(recording(600.0, 100.0, [](double t) { return sine(t, 0.5); }, 1.0)), 0.019);
+  EXPECT_GT(row_step_of_one(recording(600.0, 100.0, [](double t) { return sine(t, 0.5); }, 1.0)), 0.019);
 }
 
 TEST(RowStep, LeavesALongFastRecordingItsRows) {
-  EXPECT_EQ(row_step_of(recording(300.0, 1200.0, [](double t) { return sine(t, 70.0); })), 0.02) << "60 000 rows as it is";
+  EXPECT_EQ(row_step_of_one(recording(300.0, 1200.0, [](double t) { return sine(t, 70.0); })), 0.02) << "60 000 rows as it is";
 }
 
-TEST(RowStep, OfSeveralRecordsIsTheSameForAll) {
-  Campaign two = recording(600.0, 60.0, [](double t) { return sine(t, 70.0); });
-  two.records.push_back(two.records.front());
-  EXPECT_EQ(row_step_of(two), 0.02);
+TEST(RowStep, OfSeveralRecordsEachHasItsOwn) {
+  const Record slow = recording(600.0, 20.0, [](double t) { return sine(t, 1.0); }).records.front(), fast = recording(600.0, 20.0, [](double t) { return sine(t, 70.0); }).records.front();
+  EXPECT_EQ(row_step_of(slow, 3), 0.02);
+  EXPECT_LT(row_step_of(fast, 3), 0.006);
+  EXPECT_GT(row_step_of(fast, 20), 0.009) << "2000 rows are left for each";
+}
+
+TEST(RowStep, AnImpactOfHalfASecondIsResolved) {
+  const Record hit = recording(5000.0, 0.6, [](double t) { return 3.0 + 80.0 * std::exp(-std::pow((t - 0.2) / 0.004, 2)); }).records.front();
+  EXPECT_LT(row_step_of(hit, 10), 0.003);
 }
 
 }  // namespace
