@@ -293,6 +293,21 @@ void find_decays(CampaignInput& input, const Campaign& campaign, const EngineOpt
   });
 }
 
+// An amplifier rounds before it stops, in the records that do not quite get there too: what comes near a rail that was found tells of no curve.
+void leave_out_near_rail(CampaignRows& w) {
+  constexpr double kRounds = 0.06;  // of the range
+  constexpr std::size_t kFewest = 50;
+  const auto clipping = std::ranges::find(w.raw_claims, "clipping", &HealthClaim::effect);
+  if (clipping == w.raw_claims.end()) return;
+  const double bent_V = clipping->value - kRounds * w.scales.U_range_V;
+  for (RecordInput& r : w.input.records) {
+    std::vector<std::uint8_t> below = r.ok;
+    for (std::size_t i = 0; i < r.rows(); ++i)
+      if (r.U_V[i] >= bent_V) below[i] = 0;
+    if (std::ranges::count(below, 1) >= static_cast<std::ptrdiff_t>(kFewest)) r.ok = std::move(below);
+  }
+}
+
 void judge_samples(CampaignRows& w, OfRecords& of, const std::optional<StuckBit>& stuck) {
   for (const RecordInput& input : w.input.records) {
     w.health.push_back(of.health[input.name]);
@@ -301,6 +316,7 @@ void judge_samples(CampaignRows& w, OfRecords& of, const std::optional<StuckBit>
   w.input.U_step_V = common_step_V(w.health);
   w.raw_claims = health_claims(w.health, w.scales, w.input.bench);
   if (stuck && std::ranges::find(w.raw_claims, "adc_codes", &HealthClaim::effect) == w.raw_claims.end()) w.raw_claims.push_back(claim_of_stuck_bit(*stuck, w.scales.unit));
+  leave_out_near_rail(w);
   if (std::string note = note_of_left_out(w.health, w.raw_claims); !note.empty()) w.input.notes.push_back(std::move(note));
   if (std::string note = note_of_hum_taken_off(w.health, w.scales, w.raw_claims); !note.empty()) w.input.notes.push_back(std::move(note));
   add_sample_windows(of.cuts, w.raw_claims);

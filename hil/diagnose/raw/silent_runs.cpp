@@ -37,11 +37,20 @@ class PairsByLevel {
   std::vector<double> all_, equal_;
 };
 
+// A code that is wider than the others is met again.
+void leave_out_wide_codes(std::span<const double> U, std::size_t short_below, std::vector<SilentRun>& runs) {
+  const std::vector<SilentRun> all = runs;
+  std::erase_if(runs, [&](const SilentRun& run) {
+    const auto at_this_code = std::ranges::count_if(all, [&](const SilentRun& other) { return U[other.begin] == U[run.begin]; });
+    return run.end - run.begin < short_below && at_this_code > 1;
+  });
+}
+
 }  // namespace
 
 std::vector<SilentRun> find_silent_runs(std::span<const double> U, double lsb_V, double noise_V) {
-  constexpr std::size_t kShortest = 8;  // samples
-  constexpr double kEnds = 2.5, kReach = 0.01, kSigmas = 4.0, kFewestPairs = 100.0, kTimesAsMany = 3.0, kByChance = 1e-6;
+  constexpr std::size_t kShortest = 5, kAlone = 8;  // samples; of a run that needs no other
+  constexpr double kEnds = 2.5, kReach = 0.01, kSigmas = 4.0, kFewestPairs = 100.0, kTimesAsMany = 3.0, kByChance = 1e-6, kSomeByChance = 1e-3;
   std::vector<SilentRun> out;
   const auto [low, high] = spread_of_present(U);
   if (!(lsb_V > 0.0) || !(noise_V > lsb_V) || !(high > low)) return out;
@@ -54,8 +63,10 @@ std::vector<SilentRun> find_silent_runs(std::span<const double> U, double lsb_V,
     const auto [all, equal] = pairs.near(U[begin], reach);
     if (all - own < std::max(kFewestPairs, kTimesAsMany * own)) continue;
     const double p = (1.0 + equal - own) / (2.0 + all - own);
-    if (std::log(n) + own * std::log(p) < std::log(kByChance)) out.push_back({begin, end});
+    const bool alone = end - begin >= kAlone;
+    if (std::log(n) + own * std::log(p) < std::log(alone ? kByChance : kSomeByChance)) out.push_back({begin, end});
   }
+  leave_out_wide_codes(U, kAlone, out);
   return out;
 }
 

@@ -25,6 +25,34 @@ TEST(Clipping, IsToldFromACurveThoughTheGainDiffersFromRecordToRecord) {
   }
 }
 
+// No noise behind the amplifier: at the rail all samples are one code.
+Campaign stopped(std::uint64_t seed, double corner_V) {
+  Campaign c = make_campaign(seed, straight, 0.004);
+  for (Record& r : c.records)
+    for (double& u : r.trace.find("U")->value)
+      u = std::round((corner_V > 0.0 ? 7.0 - corner_V * std::log1p(std::exp((7.0 - u) / corner_V)) : std::min(u, 7.0)) * 409.6) / 409.6;
+  return c;
+}
+
+TEST(Clipping, OfAnAmplifierThatRoundsBeforeItStopsIsNoCurveBeside) {
+  for (std::uint64_t seed = 81; seed <= 83; ++seed) {
+    const Diagnosis d = answer(stopped(seed, 0.08));
+    EXPECT_GE(probability(d, "clipping"), 0.9) << told(d);
+    EXPECT_LT(probability(d, "static_nonlinearity"), 0.5) << told(d);
+  }
+}
+
+TEST(Clipping, IsSeenBelowSpikesThatGoBeyondTheRail) {
+  Campaign c = stopped(84, 0.0);
+  Rng rng(84, "spikes");
+  for (Record& r : c.records)
+    for (int k = 0; k < 6; ++k) r.trace.find("U")->value[static_cast<std::size_t>(23000.0 * rng.uniform()) + 500] = 8.2 + 1.5 * rng.uniform();
+  const Diagnosis d = answer(std::move(c));
+  EXPECT_GE(probability(d, "clipping"), 0.9) << told(d);
+  EXPECT_GE(probability(d, "outliers"), 0.9) << told(d);
+  EXPECT_LT(probability(d, "adc_codes"), 0.5) << told(d);
+}
+
 TEST(Clipping, IsToldByTheVoltageOfTheRail) {
   const auto rail_of = [](double corner_V) {
     const Diagnosis d = answer(behind(75, 0.04, [=](double u) {

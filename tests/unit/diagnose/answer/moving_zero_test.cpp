@@ -2,7 +2,7 @@
 
 #include "hil/diagnose/answer/moving_zero.h"
 
-#include "tests/unit/diagnose/made_campaign.h"
+#include "tests/unit/diagnose/made_recording.h"
 
 namespace forcegate::diagnose {
 namespace {
@@ -34,6 +34,26 @@ TEST(MovingZero, ThatStandsIsNone) {
   const Diagnosis d = of_zero(0.0);
   EXPECT_EQ(d.verdict, DiagnosisVerdict::none) << told(d);
   EXPECT_LT(d.repeatability.wander_V, 1e-3 * 8.8);
+}
+
+// A zero that settles in a minute under a load that cycles on: within its parts a creep explains it as well, and is withdrawn for its size there.
+TEST(MovingZero, OfOneRecordingIsToldWholeAndIsNoNone) {
+  Campaign campaign = recording(
+      20.0, 6000, [](double t_s) { return 2.0 + (t_s > 20.0 ? 1.2 * std::sin(0.314 * t_s) : 0.0) + (t_s > 150.0 ? 1.0 : 0.0); },
+      [](const std::vector<double>& t, const std::vector<double>& F) {
+        std::vector<double> U;
+        for (std::size_t i = 0; i < F.size(); ++i) U.push_back(0.4 * F[i] + 0.05 - 0.05 * std::expm1(-std::max(0.0, t[i] - 20.0) / 40.0));
+        return U;
+      },
+      0.002);
+  Rng rng(8, "reference");
+  for (double& f : campaign.records.front().trace.find("F_ref")->value) f += 0.005 * rng.normal();
+  const Diagnosis d = answer(std::move(campaign));
+  EXPECT_EQ(d.verdict, DiagnosisVerdict::unknown) << told(d);
+  const auto drift = std::ranges::find(d.findings, std::string("reference_drift"), &Finding::effect);
+  ASSERT_NE(drift, d.findings.end()) << told(d);
+  EXPECT_FALSE(drift->claimed());
+  EXPECT_TRUE(drift->evidence.find("moves by 3") != std::string::npos || drift->evidence.find("moves by 4") != std::string::npos) << drift->evidence;
 }
 
 TEST(MovingZero, ACreepSmallerThanItIsItsOwn) {

@@ -37,6 +37,14 @@ TEST(ReferenceScatter, SeesWhiteAndColouredNoiseAlike) {
   EXPECT_NEAR(scatter(make(0.03, 0.8, 0.0)), 0.03, 0.008);
 }
 
+TEST(ReferenceScatter, SeesItInARecordOfASecond) {
+  Made m = make(0.03, 0.0, 0.0);
+  for (std::vector<double>* v : {&m.t, &m.F, &m.U}) v->resize(500);
+  const ReferenceScatter found = reference_scatter(m.t, m.F, m.U, {.range_V = 4.0, .gain_V_per_N = 2.0, .noise_V = 0.002});
+  EXPECT_NEAR(found.alone_N, 0.03, 0.012);
+  EXPECT_GT(found.quartile_N, 0.02);
+}
+
 TEST(ReferenceScatter, LeavesOutAForceThatReallyTrembles) {
   EXPECT_LT(scatter(make(0.005, 0.0, 0.05)), 0.008);
 }

@@ -37,6 +37,17 @@ TEST(SilentRuns, AreLongerThanChanceAllows) {
   EXPECT_GE(found[0].end, 5030u);
 }
 
+TEST(SilentRuns, ShortOnesCountWhereEachStandsAtACodeOfItsOwn) {
+  constexpr double kNoise_V = 20.0 * kLsb_V;
+  std::vector<double> U = swing(kNoise_V);
+  EXPECT_TRUE(find_silent_runs(U, kLsb_V, kNoise_V).empty());
+  for (std::size_t k = 0; k < 4; ++k) hold(U, 3000 + 4100 * k, 6);
+  EXPECT_EQ(find_silent_runs(U, kLsb_V, kNoise_V).size(), 4U);
+  for (std::size_t k = 0; k < 4; ++k)
+    for (std::size_t i = 0; i < 6; ++i) U[3000 + 4100 * k + i] = 2.0;  // a code that is too wide
+  EXPECT_TRUE(find_silent_runs(U, kLsb_V, kNoise_V).empty());
+}
+
 TEST(SilentRuns, AreNotAskedWhereNoiseStaysWithinACode) {
   std::vector<double> U = swing(0.3 * kLsb_V);
   hold(U, 5000, 60);
