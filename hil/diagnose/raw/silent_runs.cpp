@@ -50,7 +50,7 @@ void leave_out_wide_codes(std::span<const double> U, std::size_t short_below, st
 
 std::vector<SilentRun> find_silent_runs(std::span<const double> U, double lsb_V, double noise_V) {
   constexpr std::size_t kShortest = 5, kAlone = 8;  // samples; of a run that needs no other
-  constexpr double kEnds = 2.5, kReach = 0.01, kSigmas = 4.0, kFewestPairs = 100.0, kTimesAsMany = 3.0, kByChance = 1e-6, kSomeByChance = 1e-3;
+  constexpr double kEnds = 2.5, kReach = 0.01, kFarthest = 0.1, kSigmas = 4.0, kFewestPairs = 100.0, kTimesAsMany = 3.0, kByChance = 1e-6, kSomeByChance = 1e-3;
   std::vector<SilentRun> out;
   const auto [low, high] = spread_of_present(U);
   if (!(lsb_V > 0.0) || !(noise_V > lsb_V) || !(high > low)) return out;
@@ -60,8 +60,11 @@ std::vector<SilentRun> find_silent_runs(std::span<const double> U, double lsb_V,
     for (end = begin + 1; end < U.size() && U[end] == U[begin];) ++end;
     if (end - begin < kShortest || begin == 0 || end == U.size() || U[begin] < low + kEnds * lsb_V || U[begin] > high - kEnds * lsb_V) continue;
     const double own = static_cast<double>(end - begin - 1);
-    const auto [all, equal] = pairs.near(U[begin], reach);
-    if (all - own < std::max(kFewestPairs, kTimesAsMany * own)) continue;
+    const double fewest = own + std::max(kFewestPairs, kTimesAsMany * own);
+    PairsByLevel::Pairs near = pairs.near(U[begin], reach);
+    for (double farther = 2.0 * reach; near.all < fewest && farther < kFarthest * (high - low); farther *= 2.0) near = pairs.near(U[begin], farther);
+    const auto [all, equal] = near;
+    if (all < fewest) continue;
     const double p = (1.0 + equal - own) / (2.0 + all - own);
     const bool alone = end - begin >= kAlone;
     if (std::log(n) + own * std::log(p) < std::log(alone ? kByChance : kSomeByChance)) out.push_back({begin, end});

@@ -4,7 +4,8 @@
 //   N p^(m - 1) < 1e-6,   m >= 8 samples of one code among N,   p = (1 + equal) / (2 + all)
 //   N p^(m - 1) < 1e-3,   m from 5 to 7, each at a code of its own: several of them are no chance either, and a code that is too wide is met again
 //
-// over the pairs of neighbours, outside the run, that lie within a hundredth of the output's swing (or four sigma of its noise) of it. An output
+// over the pairs of neighbours, outside the run, that lie within a hundredth of the output's swing (or four sigma of its noise) of it, within a tenth
+// where these are fewer than a hundred. An output
 // that has no noise at that level, at rest or at its floor, stands still there whenever it comes by, and p is near 1.
 
 #include <cstddef>
