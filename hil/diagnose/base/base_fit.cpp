@@ -228,22 +228,26 @@ class BaseSearch {
 
   std::size_t records() const { return w_.input.records.size(); }
 
-  // A sensor that does not decay is better off without the law.
+  static double left_by(const MixedFit& fit) { return std::reduce(fit.adapted.begin(), fit.adapted.end()); }
+
+  // A sensor that does not decay is better off without the law. One whose records lose swing by courses of their own decays, and keeps a law that leaves as little.
   MixedFit with_or_without_decay() {
-    constexpr double kNats = 3.0;
+    constexpr double kNats = 3.0, kAsLittle = 1.1;
     const BaseLaw decaying = w_.law;
     MixedFit with = along_its_clock();
     const Place found = place();
     w_.law.decays = false;
     go_to({std::vector<RecordShift>(records()), start_.gain_V_per_N, 0.0});
     MixedFit without = run(kRoundsAtRest);
-    if (with.valid && (!without.valid || with.log_evidence >= without.log_evidence - kNats)) {
+    const bool loses_swing = without.valid && own_courses_decay(w_.input, without);
+    const bool as_good = loses_swing && left_by(with) <= kAsLittle * left_by(without);
+    if (with.valid && (!without.valid || as_good || with.log_evidence >= without.log_evidence - kNats)) {
       w_.law = decaying;
       go_to(found);
       if (found.loading_share != start_.loading_share) w_.input.notes.push_back(clock_in_words(found.loading_share));
       return with;
     }
-    w_.decays_otherwise = without.valid && own_courses_decay(w_.input, without);
+    w_.decays_otherwise = loses_swing;
     w_.tells_swing = true;
     w_.input.notes.emplace_back(w_.decays_otherwise ? "the maxima decay, and not along the law of the model: each record's own course is taken for its decay"
                                                     : "no decay of the maxima is seen: the static law alone is the starting model");
@@ -261,16 +265,15 @@ class BaseSearch {
   // no matter of the clock: a swing that comes back after a change of frequency fits each of them a little.
   MixedFit along_its_clock() {
     constexpr double kUneven = 0.1, kNats = 10.0, kOfError = 0.5;
-    const auto left = [](const MixedFit& fit) { return std::reduce(fit.adapted.begin(), fit.adapted.end()); };
     MixedFit best = run(kRounds);
-    const double least = best.valid ? kOfError * left(best) : std::numeric_limits<double>::infinity();
+    const double least = best.valid ? kOfError * left_by(best) : std::numeric_limits<double>::infinity();
     if (std::ranges::none_of(w_.input.records, [](const RecordInput& r) { return r.dynamic && unevenness_of_loading(r) > kUneven; })) return best;
     Place found = place();
     for (const double share : {0.0, 0.5, 1.0}) {
       if (share == start_.loading_share) continue;
       go_to({start_.shifts, start_.gain_V_per_N, share});
       const MixedFit fit = run(kRounds);
-      if (!fit.valid || !(left(fit) < least) || (best.valid && fit.log_evidence < best.log_evidence + kNats)) continue;
+      if (!fit.valid || !(left_by(fit) < least) || (best.valid && fit.log_evidence < best.log_evidence + kNats)) continue;
       best = fit;
       found = place();
     }
