@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "hil/diagnose/refit/one_law.h"
+#include "hil/diagnose/refit/refit.h"
 #include "hil/model/rows.h"
 #include "tests/unit/diagnose/made_campaign.h"
 
