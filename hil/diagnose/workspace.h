@@ -107,7 +107,7 @@ struct Workspace {
   std::vector<std::unique_ptr<EffectKind>> user_kinds;  ///< effects of the user's own, beside the registry
   BaseLaw law;
   bool zero_wanders = true;         ///< EngineOptions
-  bool decays_otherwise = false;    ///< the maxima decay, and not along `law`, which is static since
+  bool decays_otherwise = false;    ///< the maxima decay, and no law is more likely than `law`, which is static where it leaves more
   bool tells_swing = true;          ///< the records part the gain of the cycles from that of the rest (base_fit.h)
   double gain_V_per_N = 2.0;        ///< slope of the static law at the current fit
   std::vector<RecordShift> shifts;  ///< per record

@@ -61,12 +61,13 @@ void tell_decay(const Workspace& w, const MixedFit& fit, unsigned threads, Diagn
   if (w.input.single) return tell_of_one_recording(w, out);
   constexpr std::size_t kSeveral = 2, kNamed = 3;
   if (out.verdict == DiagnosisVerdict::known || w.input.generic || !fit.valid) return;
-  if (w.decays_otherwise && out.verdict == DiagnosisVerdict::none) {
+  const std::vector<Course> courses = not_exponential(w, fit, threads);
+  const bool bears_law = w.law.decays && courses.size() < kSeveral;
+  if (w.decays_otherwise && !bears_law && out.verdict == DiagnosisVerdict::none) {
     out.verdict = DiagnosisVerdict::unknown;
     out.depends_on = {"time"};
     out.follows = {"the decay of the maxima, which has another course than the model's"};
   }
-  const std::vector<Course> courses = not_exponential(w, fit, threads);
   if (courses.size() < kSeveral) return;
   const PrintedUnit unit = printed_unit(w.output.unit);
   std::string which;

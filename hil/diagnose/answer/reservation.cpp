@@ -178,12 +178,7 @@ bool is_bump_that_stays(const Asked& a) {
 
 // A block that a logger lost shifts the output at once: no frequency does.
 bool is_within_a_sample(const Asked& a) {
-  double longest_s = 0.0;
-  for (const RecordInput& r : a.w.input.records) longest_s = std::max(longest_s, r.duration_s);
-  return std::ranges::any_of(a.f.parameters, [&](const FoundParameter& p) {
-    const bool is_lag = p.name == "lag_s", is_skew = a.f.effect == "clock_skew" && p.name == "skew";
-    return (is_lag || is_skew) && std::abs(p.value) * (is_skew ? longest_s : 1.0) < shortest_sample_s(a.w.input);
-  });
+  return std::ranges::any_of(a.f.parameters, [&](const FoundParameter& p) { return p.name == "lag_s" && std::abs(p.value) < shortest_sample_s(a.w.input); });
 }
 
 bool is_skew_of_sweep(const Asked& a) {

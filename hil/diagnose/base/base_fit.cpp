@@ -239,15 +239,15 @@ class BaseSearch {
     w_.law.decays = false;
     go_to({std::vector<RecordShift>(records()), start_.gain_V_per_N, 0.0});
     MixedFit without = run(kRoundsAtRest);
-    const bool loses_swing = without.valid && own_courses_decay(w_.input, without);
-    const bool as_good = loses_swing && left_by(with) <= kAsLittle * left_by(without);
-    if (with.valid && (!without.valid || as_good || with.log_evidence >= without.log_evidence - kNats)) {
+    const bool is_behind = with.valid && without.valid && with.log_evidence < without.log_evidence - kNats;
+    w_.decays_otherwise = (is_behind || !with.valid) && without.valid && own_courses_decay(w_.input, without);
+    const bool as_good = w_.decays_otherwise && left_by(with) <= kAsLittle * left_by(without);
+    if (with.valid && (!is_behind || as_good)) {
       w_.law = decaying;
       go_to(found);
       if (found.loading_share != start_.loading_share) w_.input.notes.push_back(clock_in_words(found.loading_share));
       return with;
     }
-    w_.decays_otherwise = loses_swing;
     w_.tells_swing = true;
     w_.input.notes.emplace_back(w_.decays_otherwise ? "the maxima decay, and not along the law of the model: each record's own course is taken for its decay"
                                                     : "no decay of the maxima is seen: the static law alone is the starting model");
