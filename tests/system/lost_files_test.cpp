@@ -173,6 +173,16 @@ TEST(LostFiles, AFileWhoseNameBeginsWithAHyphenIsNoOptionOfTheNextLine) {
   const ProcessResult r = forcegate({"compare", "--", "-q.csv"}, {.folder = folder.path()});
   EXPECT_EQ(r.exit_code, 0) << r.err;
   EXPECT_THAT(r.out, HasSubstr("next: forcegate diagnose ./-q.csv\n"));
+  const auto next_of = [&](const std::vector<std::string>& words) {
+    const ProcessResult said = forcegate(words, {.folder = folder.path()});
+    const std::size_t at = said.out.rfind("next: ");
+    return at == std::string::npos ? said.err : said.out.substr(at);
+  };
+  EXPECT_THAT(next_of({"convert", "--", "-q.csv", "-r.csv"}), HasSubstr("forcegate diagnose ./-r.csv"));
+  EXPECT_THAT(next_of({"mystery", "--seed", "3", "--minutes", "1", "--", "-m"}), HasSubstr("forcegate diagnose ./-m\n"));
+  EXPECT_THAT(next_of({"export", "--check", "./-q.csv", "--", "flexiforce"}), HasSubstr("forcegate export --check ./-q.csv flexiforce --c comp.h")) << "the word -- is not said again, what stands behind it is";
+  ASSERT_EQ(forcegate({"fit", "-o", "./-m.toml", "--", "-q.csv"}, {.folder = folder.path()}).exit_code, 0);
+  EXPECT_THAT(next_of({"history", "--", "-m.toml"}), HasSubstr(" ./-m.toml"));
 }
 
 }  // namespace
