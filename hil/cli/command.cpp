@@ -73,7 +73,7 @@ int exit_code_of(ErrorCode code) {
 std::string Invocation::command_line_without(std::string_view option) const {
   std::string line = "forcegate";
   for (const LineWord& word : words_)
-    if (option.empty() || word.option != option) line += " " + word.quoted;
+    if (!word.quoted.empty() && (option.empty() || word.option != option)) line += " " + word.quoted;
   return line;
 }
 

@@ -142,7 +142,7 @@ void Console::next(std::string_view what) {
 
 void Console::look_at(const std::string& file) {
   if (options_.json || options_.quiet) return;
-  if (const std::string program = opener(); !program.empty()) return next(program + " " + shell_quoted(file));
+  if (const std::string program = opener(); !program.empty()) return next(program + " " + file_quoted(file));
   print(paint(Paint::dim, "look at: " + file));
 }
 
@@ -170,6 +170,16 @@ void Console::error(const Error& error) {
     std::fputs((document.dump(2) + "\n").c_str(), out_);
     if (all_written()) return;
   }
+  print_error(error);
+}
+
+void Console::error_beside(const Error& error) {
+  end_progress();
+  const std::lock_guard lock(bar_->mutex);
+  print_error(error);
+}
+
+void Console::print_error(const Error& error) {
   std::string text = printable_utf8(error.to_text());
   constexpr std::string_view kHead = "error:";
   if (color_ && text.starts_with(kHead)) text = paint(Paint::fail, kHead) + text.substr(kHead.size());

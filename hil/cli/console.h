@@ -47,6 +47,8 @@ class Console {
   void look_at(const std::string& file);
   /// The error as text on stderr, or as {"error": {...}} on stdout with --json, as long as stdout takes it.
   void error(const Error& error);
+  /// What went wrong beside an answer that was given: as text on stderr, with --json too.
+  void error_beside(const Error& error);
 
   /// Hands on what was printed before anything else happens, also into a pipe or a file.
   void flush();
@@ -66,6 +68,7 @@ class Console {
 
  private:
   void clear_bar();
+  void print_error(const Error& error);
   ConsoleOptions options_;
   std::FILE* out_;
   std::FILE* err_;

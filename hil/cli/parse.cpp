@@ -53,14 +53,15 @@ class Reader {
     for (std::size_t i = 0; i < arguments_.size() && !line_.error; ++i) {
       const std::string& argument = arguments_[i];
       if (!options_ended_ && argument == "--")
-        options_ended_ = true;
+        options_ended_ = true, end_of_options_ = i;
       else if (!options_ended_ && argument.size() > 1 && argument[0] == '-')
         take_option(i);
       else if (line_.command == nullptr)
         take_verb(argument);
       else
-        take_positional(argument);
+        take_positional(argument, i);
     }
+    drop_end_of_options();
     need_second_word();
     if (!line_.error && !line_.help && line_.command != nullptr) check_required();
     return std::move(line_);
@@ -128,7 +129,14 @@ class Reader {
     return false;
   }
 
-  void take_positional(const std::string& word) {
+  // The line is said again with more behind it, which "--" would turn into names of files; these are named so that they need none.
+  void drop_end_of_options() {
+    if (!options_ended_) return;
+    const auto end = line_.words.begin() + static_cast<std::ptrdiff_t>(end_of_options_);
+    if (std::none_of(end + 1, line_.words.end(), [](const LineWord& word) { return word.quoted.starts_with('-') || word.quoted.starts_with("'-"); })) end->quoted.clear();
+  }
+
+  void take_positional(const std::string& word, std::size_t i) {
     if (continues_name(word)) return;
     const auto& positionals = line_.command->positionals;
     if (line_.help) return;
@@ -139,6 +147,7 @@ class Reader {
     const Positional& p = positionals[at_positional_];
     line_.error = check_choice(word, p.name, p.choices, p.only_choices, where());
     line_.values.emplace_back(p.name, word);
+    if (p.names != Names::nothing) line_.words[i].quoted = file_quoted(word);
     if (!p.repeatable) ++at_positional_;
   }
 
@@ -223,6 +232,7 @@ class Reader {
   const std::vector<Command>& table_;
   ParsedLine line_;
   bool options_ended_ = false, second_word_passed_ = false;
+  std::size_t end_of_options_ = 0;
   std::size_t at_positional_ = 0;
 };
 

@@ -48,6 +48,13 @@ double Budget::u_of_this_record() const {
   return root_of_squares(lines, [](const BudgetLine& line) { return line.of_this_record; });
 }
 
+double Budget::u_of_readings() const {
+  return root_of_squares(lines, [](const BudgetLine& line) { return !line.systematic && line.name != kRepeatability; });
+}
+double Budget::u_of_scatter() const {
+  return root_of_squares(lines, [](const BudgetLine& line) { return line.name == kRepeatability; });
+}
+
 double Budget::degrees_of_freedom(double of, std::size_t n) const {
   for (const BudgetLine& line : lines)
     if (line.name == kRepeatability && line.u > 0.0 && n > 1) return static_cast<double>(n - 1) * std::pow(of / line.u, 4);

@@ -34,6 +34,8 @@ struct Budget {
   /// Against a limit that was derived on the same rig: what is systematic cancels, unless it is of this record.
   double u_against_derived() const;
   double u_of_this_record() const;
+  double u_of_readings() const;  ///< resolution and noise
+  double u_of_scatter() const;   ///< repeatability
   /// Effective degrees of freedom of `of` (u() or u_against_derived()) where the repeatability is of n items: (n - 1) (of / u_repeatability)^4,
   /// Welch and Satterthwaite with all else known (JCGM 100, G.4). 0: many.
   double degrees_of_freedom(double of, std::size_t n) const;

@@ -19,6 +19,8 @@ struct PanelValue {
   bool usable = false;
   double value = 0.0;         ///< %
   double u_systematic = 0.0;  ///< common to all specimens
+  double u_readings = 0.0;    ///< Budget::u_of_readings()
+  double u_scatter = 0.0;     ///< Budget::u_of_scatter()
   double explained = 0.0;     ///< JudgedCheck::explained
   std::string unit = "%";
 };
@@ -50,9 +52,10 @@ struct SpecimenSessions {
 /// mean is the measurand (a claim about these specimens, not about the population), so the spread between
 /// specimens is reported but is no uncertainty of the mean. What varies from session to session of one specimen
 /// is (calibration, identification, the record itself):
-///   u = sqrt(u_systematic^2 + s^2 / N^2 sum_i 1 / R_i)          N specimens, R_i sessions
-/// s from the plan, unless the pooled standard deviation within the specimens refutes it (chi-square test at
-/// 1 %): then the observed one with its sum (R_i - 1) degrees of freedom.
+///   u = sqrt(u_systematic^2 + 1 / N^2 sum_i 1 / R_i^2 sum_r (s^2 + u_readings^2))     N specimens, R_i sessions r
+/// s from the plan, or the record's own scatter where that is more: no mean is surer than its records are. Where the pooled standard
+/// deviation within the specimens refutes the plan's (chi-square test at 1 %), the observed one with its sum (R_i - 1) degrees of
+/// freedom; it holds the noise already, so the record's own random part counts only where it is more.
 ///
 /// Accuracy (open loop) with more than one session: mean over the sessions of a specimen, the random part of u
 /// divided by sqrt(R); the checks of its single records are no longer required. No session is left out.

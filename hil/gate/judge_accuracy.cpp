@@ -78,7 +78,10 @@ PanelValue panel_of(const Accuracy& a, const CaseChecks& checks) {
   panel.usable = checks.rig_sound && checks.complete && a.error.not_finite == 0 && a.error.n > 0;
   panel.value = a.is_relative ? a.mre_pct : a.mae_N;
   panel.unit = a.is_relative ? "%" : "N";
-  panel.u_systematic = a.is_relative ? a.relative.u_systematic() : a.absolute.u_systematic();
+  const Budget& budget = a.is_relative ? a.relative : a.absolute;
+  panel.u_systematic = budget.u_systematic();
+  panel.u_readings = budget.u_of_readings();
+  panel.u_scatter = budget.u_of_scatter();
   panel.explained = a.is_relative ? 100.0 * a.misfit : a.misfit * a.typical_N;
   return panel;
 }

@@ -13,17 +13,19 @@ namespace {
 // Values of a closed-loop case, specimen by specimen.
 struct PanelTable {
   std::vector<std::vector<double>> values;
+  std::vector<std::vector<const PanelValue*>> records;  // of the values
   double u_systematic = 0.0, explained = 0.0;  // of the worst session, mean over the records
   bool relative = true, whole = true;
   Blame missing = Blame::user;    // who is asked for the values that are not there: the profile has none of them
   bool rig_error = false;
-  std::size_t records = 0;
+  std::size_t n = 0;
 };
 
 PanelTable table_of(bool maximum, const std::vector<SpecimenSessions>& specimens) {
   PanelTable table;
   for (const SpecimenSessions& one : specimens) {
     std::vector<double> row;
+    std::vector<const PanelValue*> records;
     for (const JudgedCase* session : one.sessions) {
       const PanelValue& v = maximum ? session->maxima : session->minima;
       table.relative = table.relative && v.unit == "%";
@@ -34,15 +36,33 @@ PanelTable table_of(bool maximum, const std::vector<SpecimenSessions>& specimens
       }
       if (!v.usable || !std::isfinite(v.value)) continue;
       row.push_back(v.value);
+      records.push_back(&v);
       table.u_systematic = std::max(table.u_systematic, v.u_systematic);
       table.explained += v.explained;
     }
     table.whole = table.whole && !row.empty() && row.size() == one.sessions.size();
-    table.records += row.size();
-    if (!row.empty()) table.values.push_back(std::move(row));
+    table.n += row.size();
+    if (row.empty()) continue;
+    table.values.push_back(std::move(row));
+    table.records.push_back(std::move(records));
   }
-  table.explained /= std::max(1.0, static_cast<double>(table.records));
+  table.explained /= std::max(1.0, static_cast<double>(table.n));
   return table;
+}
+
+// Of the mean over the specimens, each the mean of its sessions: the square of what differs from record to record. `believed`: `s` is
+// what the plan declares, of a bench whose readings were no worse than it says; else it was observed here, noise of the readings and all.
+double random_variance(const PanelTable& table, double s, bool believed) {
+  double sum = 0.0;
+  for (const auto& records : table.records) {
+    double of_one = 0.0;
+    for (const PanelValue* v : records) {
+      const double readings = v->u_readings * v->u_readings, scatter = v->u_scatter * v->u_scatter;
+      of_one += believed ? std::max(s * s, scatter) + readings : std::max(s * s, scatter + readings);
+    }
+    sum += of_one / static_cast<double>(records.size() * records.size());
+  }
+  return sum / static_cast<double>(table.records.size() * table.records.size());
 }
 
 JudgedCheck promise(const Plan& plan, const PlanCase& planned, bool maximum,
@@ -57,15 +77,14 @@ JudgedCheck promise(const Plan& plan, const PlanCase& planned, bool maximum,
                         planned.tail_s > 0.0 ? fmt::format(", last {:.0f} s", planned.tail_s) : "");
   c.unit = std::string("%");
   c.limit = {Limit::Kind::upper, maximum ? *planned.maxima_pct : *planned.minima_pct, planned.limit_source};
-  c.n = table.records;
+  c.n = table.n;
   std::vector<double> means;
-  double squares = 0.0, dof = 0.0, per_session = 0.0;
+  double squares = 0.0, dof = 0.0;
   for (const std::vector<double>& row : table.values) {
     const Moments m = moments(row);
     means.push_back(m.mean);
     if (row.size() > 1) squares += m.sd * m.sd * static_cast<double>(row.size() - 1);
     dof += static_cast<double>(row.size() - 1);
-    per_session += 1.0 / static_cast<double>(row.size());
   }
   const Moments m = moments(means);
   c.value = m.mean;
@@ -75,17 +94,17 @@ JudgedCheck promise(const Plan& plan, const PlanCase& planned, bool maximum,
     c.verdict = table.rig_error ? Verdict::rig_error : Verdict::inconclusive;
     c.blame = table.missing == Blame::none ? Blame::rig : table.missing;
     c.evidence = table.relative
-                     ? fmt::format("{} records of {} specimens gave a value", table.records, specimens.size())
+                     ? fmt::format("{} records of {} specimens gave a value", table.n, specimens.size())
                      : fmt::format("the profile's minima are below {:g} N, too small for a relative error", plan.limits.minima_floor_N);
     return j;
   }
-  const double n = static_cast<double>(means.size());
   const double observed = dof > 0.0 ? std::sqrt(squares / dof) : 0.0;
   const double declared = plan.uncertainty.record_repeat_pct;
   const bool believed = dof == 0.0 || observed * observed * dof <= declared * declared * chi_square_99(dof);
   if (!believed) j.dof = dof;
-  const double repeat = (believed ? declared : observed) * std::sqrt(per_session) / n;
-  c.u = std::hypot(repeat, table.u_systematic);
+  const double random = std::sqrt(random_variance(table, believed ? declared : observed, believed));
+  const double own = std::sqrt(random_variance(table, 0.0, false));
+  c.u = std::hypot(random, table.u_systematic);
   j.u_systematic = table.u_systematic;
   j.explained = table.explained;
   j.repeatable = true;
@@ -93,8 +112,8 @@ JudgedCheck promise(const Plan& plan, const PlanCase& planned, bool maximum,
   const auto [low, high] = std::minmax_element(means.begin(), means.end());
   c.evidence = fmt::format(
       "specimens {:.2f} to {:.2f} %, standard deviation {:.2f}, {} of {} inside singly; u from repeatability "
-      "{:.2f}, systematic {:.2f}",
-      *low, *high, means.size() > 1 ? m.sd : 0.0, inside, means.size(), repeat, table.u_systematic);
+      "{:.2f}, of which the records' own {:.2f}, systematic {:.2f}",
+      *low, *high, means.size() > 1 ? m.sd : 0.0, inside, means.size(), random, own, table.u_systematic);
   if (dof > 0.0)
     c.evidence += fmt::format("; {} sessions, standard deviation within a specimen {:.2f}{}",
                               specimens.front().sessions.size(), observed,

@@ -336,7 +336,7 @@ Result<Plan> parse_plan(std::string_view text, const std::string& name) {
         ErrorCode::config,
         "this is a plan of kind '" + kind->text + "', not one of cases for a gate on the test bench",
         kind->where,
-        "forcegate gate, plan and check take kind capacitance-gate, forcegate characterize takes characterize and capacitance");
+        "forcegate gate, plan and check take kind capacitance-gate, forcegate characterize takes characterize and capacitance, and checks such a plan before it plays it");
   ConfigReader r(root, "the plan");
   std::int64_t format = 0, seed = 1;
   r.integer("format", format, 1, kPlanFormat, ConfigReader::required);

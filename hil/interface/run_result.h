@@ -3,9 +3,11 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "hil/base/result.h"
 #include "hil/interface/calibration.h"
 #include "hil/interface/check.h"
 #include "hil/interface/dut.h"
@@ -89,6 +91,7 @@ struct RunResult {
   std::vector<CaseResult> cases;
   std::map<std::string, std::string> environment;  ///< compiler, emulator versions
   std::vector<std::string> notes;  ///< things a reader must know: calibration level, substitutions
+  std::optional<Error> not_written;  ///< why its folder is not there, of the run that made it; stands in no file
 };
 
 }  // namespace forcegate

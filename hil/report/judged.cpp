@@ -190,7 +190,7 @@ std::string who_must_act(Blame blame) {
     case Blame::reference: return "the ATI reference";
     case Blame::link: return "the link to the board";
     case Blame::calibration: return "the calibration";
-    case Blame::user: return "the plan or the command line";
+    case Blame::user: return "the plan, a bench file or the command line";
     case Blame::harness: return "Forcegate itself";
     case Blame::recording: return "the recording";
   }

@@ -157,6 +157,7 @@ Result<BenchFile> build(ConfigNode root) {
   take_number(*reference, "resolution_N", b.reference_resolution_N);
   take_number(*reference, "noise_N", b.reference_noise_N);
   take_number(*reference, "u_rel", b.reference_u_rel);
+  if (const ConfigNode* id = reference->find("calibration_id"); id != nullptr && id->kind == ConfigNode::Kind::text) b.reference_calibration_id = id->text;
   FORCEGATE_CHECK_OK(check_declared_noise(*reference, b));
   b.root = std::move(root);
   return b;
@@ -178,51 +179,18 @@ Result<BenchFile> read_bench_text(std::string_view text, const std::string& name
   return build(std::move(root));
 }
 
-Result<void> check_devices(const BenchFile& b) {
-  // An adapter only reads its table here; the world is used when it is opened.
-  struct Nowhere final : BenchWorld {
-    Unexpected no() const {
-      return fail(ErrorCode::internal, "no instrument is opened while a bench file is checked");
-    }
-    Result<std::string> serial_path(const std::string&) override { return no(); }
-    Result<std::unique_ptr<Transport>> open_line(const std::string&, const LineSettings&) override {
-      return no();
-    }
-    Result<std::unique_ptr<Transport>> open_hid(unsigned short, unsigned short, const std::string&) override {
-      return no();
-    }
-    Result<std::unique_ptr<Transport>> open_datagrams(const std::string&, const std::string&, int) override {
-      return no();
-    }
-    Result<int> tcp_port(const std::string&, int) override { return no(); }
-    double now_s() const override { return 0.0; }
-    Result<void> advance_to(double) override { return no(); }
-    bool is_virtual() const override { return true; }
-    Result<void> mount(const RigRecordRequest&) override { return no(); }
-    bool flashes() const override { return false; }
-    Result<void> flash(const std::string&) override { return no(); }
-  } nowhere;
-  const auto motor = Registry<MotorKind>::instance().find(b.motor_adapter)->make(b.table("motor"), nowhere);
-  if (!motor) return Unexpected(motor.error());
-  // A command between the two would end a record in its middle, as a fault of the rig.
-  if (const double takes = (*motor)->velocity_limit_rad_per_s(); b.limits.velocity_max_rad_per_s > takes)
-    return fail(ErrorCode::config,
-                fmt::format("velocity_max_rad_per_s = {} in [limits], and the drive takes no more than {} rad/s in either direction (velocity_set or velocity_max_rad_per_s of [motor])",
-                            shortest(b.limits.velocity_max_rad_per_s), shortest(takes)),
-                b.root.find("limits")->find("velocity_max_rad_per_s")->where, "lower it to " + shortest(takes) + ", or correct the limits of the drive");
-  const auto reference =
-      Registry<ReferenceKind>::instance().find(b.reference_adapter)->make(b.table("reference"), nowhere);
-  if (!reference) return Unexpected(reference.error());
-  const auto board = Registry<BoardKind>::instance().find(b.board_adapter)->make(b.table("board"), nowhere);
-  if (!board) return Unexpected(board.error());
-  return {};
-}
-
 std::vector<BenchCalibration> expired(const BenchFile& bench, const std::string& today) {
   std::vector<BenchCalibration> out;
   for (const BenchCalibration& c : bench.calibrations)
     if (c.expires < today) out.push_back(c);
   return out;
+}
+
+std::string reference_calibration_remark(const BenchFile& bench) {
+  const auto dated = std::ranges::find(bench.calibrations, "reference", &BenchCalibration::what);
+  if (dated == bench.calibrations.end()) return "[calibration] has no 'reference': nobody sees when the calibration of the reference is out of date";
+  if (bench.reference_calibration_id.empty() || dated->id == bench.reference_calibration_id) return {};
+  return fmt::format("the date under [calibration] is that of {}, and calibration_id of [reference] is {}", dated->id, bench.reference_calibration_id);
 }
 
 RigInfo rig_info(const BenchFile& b) {
@@ -247,6 +215,7 @@ RigInfo rig_info(const BenchFile& b) {
   info.details["nominal_offset_N"] = shortest(b.nominal_offset_N);
   for (const BenchCalibration& c : b.calibrations)
     info.details["calibration " + c.what] = c.id + ", until " + c.expires;
+  if (std::string remark = reference_calibration_remark(b); !remark.empty()) info.details[kReferenceCalibrationRemark] = std::move(remark);
   return info;
 }
 

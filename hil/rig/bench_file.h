@@ -48,6 +48,7 @@ struct BenchFile {
   RigGeometry geometry;
   BenchSpecimens specimens;
   std::vector<BenchCalibration> calibrations;
+  std::string reference_calibration_id;  ///< key calibration_id of [reference]
   double rate_Hz = 1000.0;
   int adc_bits = 16;
   double v_range_V = 10.0;
@@ -61,11 +62,16 @@ struct BenchFile {
 Result<BenchFile> read_bench(const std::filesystem::path& path);
 Result<BenchFile> read_bench_text(std::string_view text, const std::string& name);
 
-/// Every mistake that the adapters see in their tables, without opening anything.
+/// Every mistake that the adapters see in their tables, and what the tables say against each other, without opening anything. What
+/// stands here does not keep `bench park` from stopping the motor.
 Result<void> check_devices(const BenchFile& bench);
 
 /// Calibrations out of date on a day given as "2026-11-21"; ISO dates compare as texts.
 std::vector<BenchCalibration> expired(const BenchFile& bench, const std::string& today);
+
+/// Which calibration of the reference is looked after, where that is not the one it is to run with; empty: that very one.
+std::string reference_calibration_remark(const BenchFile& bench);
+inline constexpr const char* kReferenceCalibrationRemark = "calibration remark";  ///< of RigInfo::details
 
 /// What the gate must know of the bench before any instrument is opened.
 RigInfo rig_info(const BenchFile& bench);

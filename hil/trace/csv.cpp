@@ -373,7 +373,10 @@ Result<void> write_csv(const Trace& trace, const std::filesystem::path& path) {
   std::fclose(file);
   std::error_code failed;
   std::filesystem::rename(temporary, target, failed);
-  if (failed) return fail(ErrorCode::io, "the file cannot be renamed: " + failed.message(), path.string());
+  if (failed) {
+    std::remove(temporary.c_str());
+    return fail(ErrorCode::io, "the file cannot be given its name: " + failed.message(), path.string(), "check the folder and its permissions");
+  }
   return {};
 }
 

@@ -213,7 +213,8 @@ TEST(Characterize, JudgesRecordingsByTheLimitsOfThePlan) {
   EXPECT_THAT(broken.out, HasSubstr("BROKEN recording "));
   EXPECT_THAT(broken.out, HasSubstr("1 of 1 recordings outside"));
   EXPECT_EQ(unmeasured.exit_code, 1);
-  EXPECT_THAT(unmeasured.out, HasSubstr("step.sensor: not measured"));
+  EXPECT_THAT(unmeasured.out, HasSubstr("not measured step.sensor by any of the recordings: at most 250"));
+  EXPECT_EQ(unmeasured.out.find("BROKEN"), std::string::npos) << unmeasured.out;
   const ProcessResult no_plan = forcegate({"characterize", "--record", folder / "sine.csv", "--plan", folder / "no.toml", "-o", folder / "out"});
   EXPECT_EQ(no_plan.exit_code, 2) << no_plan.out;
 }
@@ -275,7 +276,7 @@ TEST(Characterize, SaysWhatIsWrongWithARequest) {
   const ProcessResult gate_plan =
       forcegate({"characterize", "--plan", FORCEGATE_SOURCE_DIR "/ci/plans/smoke.toml"});
   EXPECT_EQ(gate_plan.exit_code, 2);
-  EXPECT_THAT(gate_plan.err, HasSubstr("kind"));
+  EXPECT_THAT(gate_plan.err, HasSubstr("this is a plan of a gate, not of a study"));
   const ProcessResult nothing = forcegate({"characterize", "--rig", "replay"});
   EXPECT_EQ(nothing.exit_code, 2);
   EXPECT_THAT(nothing.err, HasSubstr("--record"));

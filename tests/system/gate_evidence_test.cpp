@@ -323,6 +323,16 @@ TEST_F(GateEvidence, WhoBlessesARunThatHadNoGoldensIsToldToGateWithThem) {
   EXPECT_EQ(r.exit_code, 2) << r.out;
   EXPECT_THAT(r.err, HasSubstr("help: gate with --golden " + (folder / "goldens") + " and bless that run"));
   EXPECT_THAT(gate(kGood, "none", {"--golden", folder / "nowhere"}).err, HasSubstr("gate with --golden"));
+  const ProcessResult first = run({"bless", folder / "run", "--reason", "first", "--who", "A. Smith", "--goldens", folder / "new"});
+  EXPECT_THAT(first.err, HasSubstr("help: make the folder (mkdir " + (folder / "new") + "), gate with --golden " + (folder / "new")));
+  EXPECT_THAT(run({"bless", folder / "run", "--reason", "first", "--who", "A. Smith"}).err, HasSubstr("help: make a folder (mkdir FOLDER), gate with --golden FOLDER"));
+}
+
+TEST_F(GateEvidence, ALimitsFileThatIsNotThereIsNoMissingFolder) {
+  const ProcessResult r = run({"bless", folder / "nofile.toml", "--reason", "first", "--who", "A. Smith"});
+  EXPECT_EQ(r.exit_code, 2);
+  EXPECT_THAT(r.err, HasSubstr("there is no such file of limits"));
+  EXPECT_THAT(r.err, HasSubstr("forcegate limits -o"));
 }
 
 TEST_F(GateEvidence, APlanThatTheGateRefusesIsNotRecommendedToIt) {

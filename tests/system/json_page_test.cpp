@@ -43,6 +43,13 @@ std::string slow_sines(double A_N, double tau_s) {
   return text;
 }
 
+// Details of a rig and the environment are named by whoever tells them.
+Json without_names(Json result) {
+  result["rig"]["details"].clear();
+  result["environment"].clear();
+  return result;
+}
+
 class JsonPage : public ::testing::Test {
  protected:
   const std::string page = read_text(FORCEGATE_SOURCE_DIR "/docs/json.md");
@@ -77,11 +84,22 @@ TEST_F(JsonPage, NamesEveryKeyOfTheVerbs) {
 TEST_F(JsonPage, NamesEveryKeyOfGateAndLeague) {
   write_text(folder / "mine.toml", "format = 1\nname = \"mine\"\n[panel]\nspecimens = [\"q50\"]\n[calibration]\nlevel = \"static\"\n[safety]\nforce_max_N = 5.2\n[[case]]\nname = \"s\"\n"
                                    "checks = [\"conformance\"]\nstimulus = { name = \"sine\", f_Hz = 0.5, A_N = 1, m_N = 2, duration_s = 60 }\n");
+  std::string limited = read_text(folder / "mine.toml");
+  limited.replace(limited.find("conformance"), 11, "accuracy");
+  write_text(folder / "limited.toml", limited + "[limits]\nderived = \"limits.toml\"\n");
   told("plan", answer({"plan", "mine.toml"}), 11);
   for (const char* image : {"reference", "mutants/gain_pct@2"}) {
     const std::string name = image == std::string("reference") ? "a" : "b";
     forcegate({"gate", FORCEGATE_BINARY_DIR "/firmware/" + std::string(image) + ".native.so", "--plan", "mine.toml", "-o", name}, {.folder = folder.path()});
   }
+  const Json result = Json::parse(read_text(folder / "a/result.json"), nullptr, false);
+  told("gate", without_names(result), 17);
+  EXPECT_FALSE(result["cases"][0]["checks"].empty());
+  EXPECT_FALSE(result["cases"][0]["extrema"].empty());
+  std::filesystem::create_directory(folder / "goldens");
+  forcegate({"gate", FORCEGATE_BINARY_DIR "/firmware/reference.native.so", "--plan", "mine.toml", "--golden", "goldens", "-o", "g"}, {.folder = folder.path()});
+  told("bless", answer({"bless", "g", "--goldens", "goldens", "--reason", "first", "--who", "A. Smith", "--dry-run"}), 4);
+  told("limits", answer({"limits", FORCEGATE_BINARY_DIR "/firmware/reference.native.so", "--plan", "limited.toml", "--count", "10"}), 7);
   told("check", answer({"check", "a"}), 11);
   told("report", answer({"report", "a"}), 6);
   told("diff", answer({"diff", "a", "b"}), 10);
@@ -115,6 +133,16 @@ TEST_F(JsonPage, NamesEveryKeyOfABench) {
   EXPECT_FALSE(fit["values"].empty());
   fit["values"].clear();  // their names are those of the checks
   told("bench selfcheck", fit, 8);
+}
+
+TEST_F(JsonPage, NamesEveryKeyOfPowerAndOfTheLeague) {
+  Json power = Json::parse(forcegate({"power", "--mutant", "gain_pct", "--mutant-seeds", "1", "--seeds", "1", "--quick", "--json"}, {.folder = folder.path()}).out, nullptr, false);
+  ASSERT_TRUE(power.is_object());
+  ASSERT_FALSE(power["mutants"].empty());
+  for (Json& mutant : power["mutants"]) mutant["rejected_by"].clear();  // ids of checks
+  told("power", power, 14);
+  Json league = answer({"league", "--size", "small", "--only", "creep"});
+  told("league", league, 19);
 }
 
 TEST_F(JsonPage, NamesEveryKeyOfACharacterisation) {

@@ -109,6 +109,39 @@ TEST(LostFiles, AMysteryThatTheDiskCutsOffLeavesNoShortRecording) {
   for (const auto& [file, text] : bytes_of(folder.path())) EXPECT_TRUE(text.ends_with('\n') && !file.ends_with(".part")) << file;
 }
 
+TEST(LostFiles, AGateThatTheDiskCutsOffTellsItsDecisionAllTheSame) {
+  TemporaryFolder folder;
+  const auto gated = [&](const std::string& image, const std::string& more) {
+    return run_process({"bash", "-c", "trap '' XFSZ; ulimit -f 20; exec \"$0\" gate " FORCEGATE_BINARY_DIR "/firmware/" + image + " --plan " FORCEGATE_SOURCE_DIR "/ci/plans/smoke.toml -o run" + more, FORCEGATE_BINARY_DIR "/forcegate"},
+                       {.folder = folder.path(), .timeout = std::chrono::minutes(2)});
+  };
+  const ProcessResult good = gated("reference.native.so", "");
+  EXPECT_EQ(good.exit_code, 2) << good.out << good.err;
+  EXPECT_THAT(good.out, HasSubstr("ACCEPT"));
+  EXPECT_THAT(good.out, HasSubstr("note: the decision stands, and its folder could not be written"));
+  EXPECT_THAT(good.err, HasSubstr("error: cannot write file"));
+  const ProcessResult bad = gated("mutants/gain_pct@2.native.so", " --json");
+  EXPECT_EQ(bad.exit_code, 1) << bad.err;
+  EXPECT_THAT(bad.out, HasSubstr("\"kind\": \"REJECT\""));
+  EXPECT_EQ(bad.out.find("\"error\""), std::string::npos) << "one document";
+  EXPECT_THAT(bad.err, HasSubstr("error: cannot write file"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "run"));
+}
+
+TEST(LostFiles, AFolderIsNoFileToConvertInto) {
+  TemporaryFolder folder;
+  write_text(folder / "one.csv", short_record(1.2));
+  for (const char* name : {"dir.csv", "dir.mat", "dir.h5"}) {
+    std::filesystem::create_directory(folder / name);
+    for (const char* force : {"-f", "-q"}) {
+      const ProcessResult r = forcegate({"convert", force, "one.csv", name}, {.folder = folder.path()});
+      EXPECT_EQ(r.exit_code, 2);
+      EXPECT_THAT(r.err, HasSubstr("the output is a folder"));
+      EXPECT_FALSE(std::filesystem::exists(folder / (std::string(name) + ".part")));
+    }
+  }
+}
+
 TEST(LostFiles, WhatAPipeBringsIsReadOnceAndUsedAsOftenAsItIsAsked) {
   TemporaryFolder folder;
   write_text(folder / "one.csv", short_record(1.2));
@@ -140,6 +173,16 @@ TEST(LostFiles, AFileWhoseNameBeginsWithAHyphenIsNoOptionOfTheNextLine) {
   const ProcessResult r = forcegate({"compare", "--", "-q.csv"}, {.folder = folder.path()});
   EXPECT_EQ(r.exit_code, 0) << r.err;
   EXPECT_THAT(r.out, HasSubstr("next: forcegate diagnose ./-q.csv\n"));
+  const auto next_of = [&](const std::vector<std::string>& words) {
+    const ProcessResult said = forcegate(words, {.folder = folder.path()});
+    const std::size_t at = said.out.rfind("next: ");
+    return at == std::string::npos ? said.err : said.out.substr(at);
+  };
+  EXPECT_THAT(next_of({"convert", "--", "-q.csv", "-r.csv"}), HasSubstr("forcegate diagnose ./-r.csv"));
+  EXPECT_THAT(next_of({"mystery", "--seed", "3", "--minutes", "1", "--", "-m"}), HasSubstr("forcegate diagnose ./-m\n"));
+  EXPECT_THAT(next_of({"export", "--check", "./-q.csv", "--", "flexiforce"}), HasSubstr("forcegate export --check ./-q.csv flexiforce --c comp.h")) << "the word -- is not said again, what stands behind it is";
+  ASSERT_EQ(forcegate({"fit", "-o", "./-m.toml", "--", "-q.csv"}, {.folder = folder.path()}).exit_code, 0);
+  EXPECT_THAT(next_of({"history", "--", "-m.toml"}), HasSubstr(" ./-m.toml"));
 }
 
 }  // namespace

@@ -125,6 +125,8 @@ Result<std::vector<BenchItem>> examine_bench(const fs::path& file,
   for (const BenchCalibration& c : bench.calibrations)
     items.push_back({"calibration " + c.what, c.id + ", until " + c.expires,
                      c.expires < day ? "calibrate it anew" : "", c.expires >= day});
+  if (const std::string remark = reference_calibration_remark(bench); !remark.empty())
+    items.push_back({"calibration", remark, "write reference = { id, expires } of the calibration that the reference runs with under [calibration]", false});
   FORCEGATE_TRY(const auto s, BenchSession::make(bench, options));
   const auto add = [&](const char* device, const Result<void>& opened, std::string found) {
     items.push_back(opened ? BenchItem{device, std::move(found), "", true}

@@ -96,7 +96,7 @@ std::string next_text(const Diagnosis& d, const std::filesystem::path& folder) {
                        s.odds_stated ? "" : " by the evidence", s.cosine_before, s.cosine_after);
     std::string parameters = parameters_text(s, static_cast<std::size_t>(&s - n.segments.data()) + 1);
     // the file lies nowhere before it is written
-    if (const std::string path = "path=profiles/"; parameters.starts_with(path)) parameters.replace(0, path.size(), "path=" + (folder.empty() ? std::string("FOLDER") : shell_quoted(folder.string())) + "/profiles/");
+    if (const std::string path = "path=profiles/"; parameters.starts_with(path)) parameters.replace(0, path.size(), "path=" + (folder.empty() ? std::string("FOLDER") : file_quoted(folder.string())) + "/profiles/");
     out += "      forcegate stimulus " + s.stimulus + " " + parameters;
     if (s.stimulus == "replay") out += fmt::format("  ({:.3g} to {:.3g} N)", s.low_N(), s.high_N()), files = true;
     if (s.heats) out += fmt::format("  while it warms up by {:g} degC", s.rise_degC);

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hil/app/diagnose/campaign_copy.h"
+#include "hil/app/diagnose/force_character.h"
 #include "hil/app/files/write_file.h"
 #include "hil/app/mystery/mystery.h"
 #include "hil/base/plain_number.h"
@@ -31,42 +32,9 @@ Result<fs::path> write_profile(const ExperimentSegment& s, const fs::path& folde
   return path;
 }
 
-// What tells pieces of rig time apart: length, range, mean and greatest speed of the force.
-struct Character {
-  double value[5];
-};
-constexpr double kSlow_N_per_s = 0.02, kFast_N_per_s = 0.1;  // slower is all the same
-Character character_of(const std::vector<double>& t_s, const std::vector<double>& F) {
-  double low = 1e300, high = -1e300, way = 0.0, fastest = 0.0;
-  std::size_t last = 0;
-  for (std::size_t i = 0; i < F.size(); ++i) {
-    if (!std::isfinite(F[i])) continue;
-    low = std::min(low, F[i]), high = std::max(high, F[i]);
-    // over at least 50 ms, so that noise is no motion
-    if (t_s[i] - t_s[last] >= 0.05) {
-      way += std::fabs(F[i] - F[last]);
-      fastest = std::max(fastest, std::fabs(F[i] - F[last]) / (t_s[i] - t_s[last]));
-      last = i;
-    }
-  }
-  const double seconds = std::max(1e-3, t_s.back() - t_s.front());
-  return {{std::log(seconds), std::log(kSlow_N_per_s + way / seconds), std::log(kFast_N_per_s + fastest), low, high}};
-}
-double distance(const Character& a, const Character& b) {
-  double sum = 0.0;
-  for (int k = 0; k < 5; ++k) sum += (a.value[k] - b.value[k]) * (a.value[k] - b.value[k]);
-  return std::sqrt(sum);
-}
-
-// "wrong.csv: 200 s, 0 to 5 N, 0.3 N/s on the way; asked for are 30 s, ..."
-std::string described(const Character& c) {
-  return plain_number(std::exp(c.value[0])) + " s, " + plain_number(c.value[3]) + " to " + plain_number(c.value[4]) + " N, " + plain_number(std::max(0.0, std::exp(c.value[1]) - kSlow_N_per_s)) +
-         " N/s on the average, " + plain_number(std::max(0.0, std::exp(c.value[2]) - kFast_N_per_s)) + " N/s at most";
-}
-
 struct Recording {
   fs::path path;
-  Character character;
+  ForceCharacter character;
   bool used = false;
 };
 
@@ -128,7 +96,7 @@ struct ToPlay {
 // The recording that is most like the segment becomes a record of the campaign; false: none is like it.
 Result<bool> take_recording(const ExperimentSegment& segment, const fs::path& profile, std::vector<Recording>& recordings, NextRunResult& out, SegmentOdds& odds) {
   constexpr double kAlike = 2.0;
-  const Character wanted = character_of(segment.t_s, segment.force_N);
+  const ForceCharacter wanted = character_of(segment.t_s, segment.force_N);
   Recording* best = nullptr;
   for (Recording& r : recordings)
     if (!r.used && (best == nullptr || distance(r.character, wanted) < distance(best->character, wanted))) best = &r;

@@ -140,7 +140,7 @@ class BundleWriter {
 // A run that was killed has left the one before it aside, which its name does not lead to.
 std::string or_aside(const fs::path& folder, const std::string& hint) {
   const fs::path aside = run_put_aside(folder);
-  return aside.empty() ? hint : "an older run of that name lies in " + shell_quoted(aside.string()) + " since a later one was killed; mv gives it its name again";
+  return aside.empty() ? hint : "an older run of that name lies in " + file_quoted(aside.string()) + " since a later one was killed; mv gives it its name again";
 }
 
 // Every listed file is there and as it was written.

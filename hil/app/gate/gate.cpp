@@ -221,9 +221,10 @@ class GateRun {
     RunResult result = judged_run(material, evidence_, material.head.notes, &margins);
     if (!folder || material.cancelled) return result;
     auto published = publish_run(*folder, {setup_.plan.path, request_.firmware, limits_path_, request_.waivers, evidence_, request_.plan}, material, margins, result);
-    if (!published) {
+    if (!published) {  // who waited for the decision has it all the same, and the samples that there is room for
+      folder->keep_traces();
       published.error().hint += kept_of(*folder);
-      return Unexpected(published.error());
+      note_not_written(result, std::move(published.error()));
     }
     return result;
   }
@@ -232,7 +233,7 @@ class GateRun {
   static std::string kept_of(const RunFolder& folder) {
     std::string out;
     for (const std::filesystem::path& trace : folder.traces_that_stay())
-      out += (out.empty() ? "; what was recorded is kept: " : ", ") + (trace.extension() == ".fgj" ? "forcegate recover " : std::string()) + shell_quoted(trace.string());
+      out += (out.empty() ? "; what was recorded is kept: " : ", ") + (trace.extension() == ".fgj" ? "forcegate recover " : std::string()) + file_quoted(trace.string());
     return out;
   }
 

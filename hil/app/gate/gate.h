@@ -61,7 +61,7 @@ using GateProgress = std::function<void(double fraction, std::string_view now)>;
 
 /// Errors are those of the request (exit 2) and of the machine; everything that happens after the first
 /// record is in the decision. A written folder appears whole or not at all; result.json is the last file in
-/// it.
+/// it. Where it cannot be written, RunResult::not_written says why, and the samples that there is room for are kept.
 Result<RunResult> gate(const GateRequest& request, const GateProgress& progress = {},
                        const std::atomic<bool>* cancelled = nullptr);
 

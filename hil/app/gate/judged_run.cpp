@@ -17,7 +17,7 @@ Result<RunEvidence> read_evidence(const GateRequest& request, const std::filesys
   std::error_code ignored;
   if (!request.goldens.empty() && !std::filesystem::is_directory(request.goldens, ignored))
     return fail(ErrorCode::usage, "there is no folder of golden traces", request.goldens.string(),
-                "mend the name; for the first goldens make the folder (mkdir " + shell_quoted(request.goldens.string()) + "), gate with --golden, and forcegate bless the run");
+                "mend the name; for the first goldens make the folder (mkdir " + file_quoted(request.goldens.string()) + "), gate with --golden, and forcegate bless the run");
   if (!goldens.empty()) {
     FORCEGATE_TRY(evidence.goldens, read_goldens(plan.parent_path() / goldens));
   }

@@ -97,7 +97,7 @@ bool lacks_limits(const Plan& plan) {
 }
 
 std::string no_limits_file_help(const Plan& plan) {
-  return "mend the path, or make the file: forcegate limits GOOD --plan " + shell_quoted(plan.path.string()) + " -o new.toml, then forcegate bless new.toml";
+  return "mend the path, or make the file: forcegate limits GOOD --plan " + file_quoted(plan.path.string()) + " -o new.toml, then forcegate bless new.toml";
 }
 
 Result<void> remark_on(const Plan& plan, PlanEstimate& e) {

@@ -14,6 +14,7 @@
 #include "hil/gate/board_faults.h"
 #include "hil/gate/calibrate.h"
 #include "hil/interface/dut.h"
+#include "hil/rig/bench_file.h"
 
 namespace forcegate {
 namespace {
@@ -182,6 +183,12 @@ void note_unstated_reference(GateSetup& setup) {
                         (setup.rig.can_move ? ", or u_rel of the bench's reference" : ""));
 }
 
+// Its date is not looked after, so nothing would refuse it when it is out of date.
+void note_undated_reference(GateSetup& setup) {
+  if (const auto said = setup.rig.details.find(kReferenceCalibrationRemark); said != setup.rig.details.end())
+    setup.notes.push_back(said->second + "; see reference = { id, expires } under [calibration] of the bench's file");
+}
+
 // A wrong option is told before anything is played.
 Result<void> check_lane_options(const GateRequest& request, const std::string& name) {
   const LaneKind* lane = Registry<LaneKind>::instance().find(name);
@@ -273,6 +280,7 @@ Result<GateSetup> prepare_gate(GateRequest& request) {
   if (!setup.rig.can_move) FORCEGATE_CHECK_OK(take_recording(request, plan));
   FORCEGATE_CHECK_OK(every_case_has_checks(plan));
   note_unstated_reference(setup);
+  note_undated_reference(setup);
   setup.specimens = all_specimens(plan);
   FORCEGATE_CHECK_OK(check_one_specimen(request, setup));
   FORCEGATE_CHECK_OK(check_faults_and_specimens(request, setup, *rig));

@@ -167,6 +167,10 @@ Result<RunFolder> RunFolder::open(const fs::path& final_path, const std::vector<
   FORCEGATE_TRY(const fs::path target, output_path(final_path));
   folder.final_ = fs::absolute(target).lexically_normal();
   if (folder.final_.filename().empty()) folder.final_ = folder.final_.parent_path();
+  // what a run is called before it is whole
+  constexpr std::size_t kLongest = 255 - std::string_view(".unfinished-4194304-2").size();
+  if (const std::size_t length = folder.final_.filename().string().size(); length > kLongest)
+    return fail(ErrorCode::usage, fmt::format("the name of the output folder is too long: {} bytes, and {} are left for it", length, kLongest), folder.final_.string(), "give a shorter name with --output");
   FORCEGATE_CHECK_OK(check_may_be_replaced(folder.final_, inputs));
   if (const fs::path other = of_another_run(folder.final_); !other.empty())
     return fail(ErrorCode::usage, "another run is writing there now", folder.final_.string(),
@@ -248,7 +252,7 @@ Result<void> RunFolder::publish(const RunResult& result) {
     const fs::path stays = error ? temporary_ : kept;
     temporary_.clear();
     return fail(ErrorCode::io, "the result cannot be given its name: " + why, final_.string(),
-                "it is kept whole: forcegate report " + shell_quoted(stays.string()));
+                "it is kept whole: forcegate report " + file_quoted(stays.string()));
   }
   temporary_.clear();
   sync_folder(final_.parent_path());
@@ -268,6 +272,11 @@ void RunFolder::remove_older() const {
         pid > 0 && !lives(pid) && is_ours(entry.path()) && !holds_what_a_bench_played(entry.path()))
       replaced.push_back(entry.path());
   for (const fs::path& run : replaced) fs::remove_all(run, ignored);
+}
+
+void note_not_written(RunResult& result, Error why) {
+  result.notes.push_back("the decision stands, and its folder could not be written: " + why.text);
+  result.not_written = std::move(why);
 }
 
 }  // namespace forcegate

@@ -53,4 +53,7 @@ class RunFolder {
   std::filesystem::path older_;
 };
 
+/// The decision stands although its folder does not: RunResult::not_written, and a note of it.
+void note_not_written(RunResult& result, Error why);
+
 }  // namespace forcegate

@@ -99,8 +99,8 @@ class WeightGateRun {
     std::vector<GoldenMargins> margins;
     RunResult result = judged_run(m_, evidence_, m_.head.notes, &margins);
     if (folder && result.decision.exit_code != kInterrupted)
-      FORCEGATE_CHECK_OK(publish_run(
-          *folder, {m_.plan.path, request_.firmware, {}, request_.waivers, evidence_, request_.plan}, m_, margins, result));
+      if (auto published = publish_run(*folder, {m_.plan.path, request_.firmware, {}, request_.waivers, evidence_, request_.plan}, m_, margins, result); !published)
+        note_not_written(result, std::move(published.error()));
     return result;
   }
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hil/app/model/never_fitted.h"
+#include "hil/app/model/weak_addition.h"
 #include "hil/base/plain_number.h"
 #include "hil/diagnose/candidates/user_candidates.h"
 
@@ -49,6 +50,17 @@ std::string not_as_it_was(const HistoryStep& step, const HistoryStep& again) {
 
 }  // namespace
 
+bool leads_to_no_use(const Model& model) {
+  const HistoryStep* step = last_added(model);
+  if (step == nullptr || step->one_law) return false;
+  // asked as add was answered
+  diagnose::Refit refit;
+  refit.model = model;
+  refit.error_before = step->error_before, refit.error_after = step->error_after;
+  refit.plain_before = step->plain_before, refit.plain_after = step->plain_after;
+  return (!is_needed(refit) && !helps_one_law(refit)) || !weak_addition(refit, step->effect).is_shown;
+}
+
 Result<History> history_request(const CampaignRequest& request) {
   History out;
   FORCEGATE_TRY(out.model, load_model(request.model));
@@ -75,6 +87,7 @@ std::string history_text(const History& h) {
     if (s.one_law) out += step + "left out, of the law without effects and with them; no record has a gain of its own here\n";
     else out += step + fmt::format("held out (floor {}){}\n", plain_number(unit.factor * s.floor), s.accepted ? "" : "  [the held-out error did not fall]");
   }
+  if (leads_to_no_use(h.model)) out += "  the effect added last is not needed for these records, or not shown by them: the model before it describes them as well\n";
   if (h.waterfall) out += "waterfall, held out:\n" + waterfall_text(*h.waterfall);
   for (const std::string& note : h.notes) out += "note: " + note + "\n";
   return out;

@@ -14,6 +14,8 @@ struct History {
 };
 
 Result<History> history_request(const CampaignRequest& request);
+/// The last step that added an effect is one that `forcegate add` advises to leave out.
+bool leads_to_no_use(const Model& model);
 std::string history_text(const History& history);
 std::string history_json(const History& history);
 

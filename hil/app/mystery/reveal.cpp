@@ -44,7 +44,7 @@ Result<void> check_campaign(const Answer& answer, const RevealRequest& request) 
     for (const DescribedRecord& record : *description->records)
       if (record.facts.name == answer.campaign) return {};  // one recording of it was diagnosed
   return fail(ErrorCode::usage, "this is the answer to the campaign \"" + answer.campaign + "\", and this one is \"" + description->name + "\"; the seal stays closed",
-              request.answer_file.string(), "forcegate diagnose " + shell_quoted(request.folder.string()) + " --json > answer.json");
+              request.answer_file.string(), "forcegate diagnose " + file_quoted(request.folder.string()) + " --json > answer.json");
 }
 
 std::string names_of(const hidden::Truth& truth) {
@@ -78,12 +78,21 @@ std::string claims_beside(const hidden::Truth& truth, const Answer& answer) {
   return out;
 }
 
+// What an answer lists first it need not claim; of a single effect it does so only where the verdict is "known".
+std::string answer_sentence(const hidden::Truth& truth, const Answer& answer) {
+  if (answer.findings.empty()) return ", the answer was " + answer.verdict + ".";
+  const AnswerFinding& first = answer.findings.front();
+  const bool is_there = true_effect(truth, first.effect) != nullptr, alone = is_there && truth.effects.size() == 1;
+  if (first.claimed() && !alone) return ", the answer was " + first.effect + ".";
+  const std::string but = first.claimed() ? fmt::format("the verdict is \"{}\"", answer.verdict) : fmt::format("not claimed ({:.2g})", first.probability);
+  return alone ? ", in the answer it is listed first, but " + but + "." : ", in the answer " + first.effect + " is listed first, but " + but + ".";
+}
+
 std::string sentence_of(const hidden::Truth& truth, const Answer& answer, const Score& s, bool right) {
-  const std::string first = answer.findings.empty() ? answer.verdict : answer.findings.front().effect;
   if (right && truth.effects.empty()) return "Right: nothing was hidden.";
   if (right && truth.foreign()) return "Right: what was hidden is in no catalogue.";
   std::string text = right ? "Right: " + names_of(truth) + "."
-                           : "Wrong: hidden was " + names_of(truth) + ", the answer was " + first + ".";
+                           : "Wrong: hidden was " + names_of(truth) + answer_sentence(truth, answer);
   if (!right && s.rank > 1) text += fmt::format(" It stands at place {} of the findings.", s.rank);
   if (!right && s.look_alike) text += " The answer says that the two cannot be told apart here.";
   if (s.rank > 0 && !s.side_right) text += " The side is wrong.";

@@ -266,8 +266,10 @@ bool PowerResult::nothing_played() const {
   return std::ranges::all_of(outcomes, [](const MutantOutcome& o) { return o.runs == 0; });
 }
 
+bool PowerResult::nothing_asked() const { return request.seeds + request.panel_seeds + std::max(request.mutant_seeds, request.family_seeds) == 0; }
+
 bool PowerResult::good() const {
-  if (reference.rejected + panel.rejected > 0 || nothing_built()) return false;
+  if (reference.rejected + panel.rejected > 0 || nothing_built() || nothing_asked()) return false;
   return std::all_of(outcomes.begin(), outcomes.end(), [&](const MutantOutcome& o) {
     if (o.runs == 0 && request.runs_of(o.mutant) > 0) return false;
     if (o.mutant.good()) return o.rejected == 0;

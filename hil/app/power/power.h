@@ -77,6 +77,7 @@ struct PowerResult {
   PowerCount slipped() const;  ///< accepted runs of bad builds that the plan claims to see
   bool nothing_played() const;  ///< there are mutants, and no run of any was asked for
   bool nothing_built() const;  ///< runs of mutants are asked for, and there is no image of any
+  bool nothing_asked() const;  ///< no run of any image was asked for
   /// No good build rejected, no survivor that is not declared as one, every build that is there was played.
   bool good() const;
 };

@@ -79,8 +79,8 @@ std::string command(const PowerRequest& r) {
     line += fmt::format(" --panel-plan {} --panel-seeds {}", r.panel_plan, r.panel_seeds);
   for (const std::string& only : r.only) line += " --mutant " + shell_quoted(only);
   if (r.quick) line += " --quick";
-  if (!r.firmware.empty() && r.firmware != "build/firmware" && r.firmware != program_folder() / "firmware") line += " --firmware " + shell_quoted(r.firmware.string());
-  return line + " --markdown " + shell_quoted(r.markdown.string());
+  if (!r.firmware.empty() && r.firmware != "build/firmware" && r.firmware != program_folder() / "firmware") line += " --firmware " + file_quoted(r.firmware.string());
+  return line + " --markdown " + file_quoted(r.markdown.string());
 }
 
 std::string slip(const PowerResult& r) {

@@ -14,6 +14,8 @@ Result<ConvertReport> convert(const ConvertRequest& request) {
   if (std::filesystem::equivalent(request.from, request.to, ignored))
     return fail(ErrorCode::usage, "input and output are the same file", request.to.string(),
                 "choose another name");
+  if (std::filesystem::is_directory(request.to, ignored))
+    return fail(ErrorCode::usage, "the output is a folder", request.to.string(), "name a file in it: " + (request.to / request.from.filename()).replace_extension(request.to.has_extension() ? request.to.extension() : ".csv").string());
   if (!request.overwrite && std::filesystem::exists(request.to, ignored))
     return fail(ErrorCode::usage, "the output exists already", request.to.string(),
                 "add --force to replace it");

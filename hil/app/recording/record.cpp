@@ -30,7 +30,7 @@ struct Recorded {
 
 /// Error: the file is not the whole record that the list tells of.
 Result<void> check_whole(const fs::path& csv, const Json& listed) {
-  const std::string remedy = "rm " + shell_quoted(csv.string()) + ", and --continue records it again";
+  const std::string remedy = "rm " + file_quoted(csv.string()) + ", and --continue records it again";
   const auto text = read_file(csv);
   if (!text) return fail(ErrorCode::io, "a record of the campaign cannot be read: " + text.error().text, csv.string(), remedy);
   constexpr double kRounding = 2.0;

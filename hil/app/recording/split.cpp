@@ -53,7 +53,7 @@ Result<SplitReport> split(const SplitRequest& request) {
   for (const char* ending : {".h5", ".hdf5", ".mat", ".fgj"})
     if (ascii_lower(request.from.extension().string()) == ending)
       return fail(ErrorCode::usage, "--split reads tables of text", request.from.string(),
-                  "convert it to CSV first: forcegate convert " + shell_quoted(request.from.string()) + " table.csv");
+                  "convert it to CSV first: forcegate convert " + file_quoted(request.from.string()) + " table.csv");
   FORCEGATE_TRY(const CsvTable table, read_csv_table(request.from));
   FORCEGATE_TRY(const PartColumn column, part_column(table, request.column, request.from.string()));
   FORCEGATE_TRY(const std::vector<Written> parts, parts_of(request, table, column));

@@ -193,7 +193,7 @@ Result<BlessAnswer> bless_run(const BlessRequest& request) {
     if (run.goldens.empty())
       return fail(
           ErrorCode::usage, "the plan of this run names no goldens", head.plan_name,
-          "gate with --golden FOLDER and bless that run, or add goldens = \"...\" to its [limits] and \"golden\" to the checks of a case");
+          "make a folder (mkdir FOLDER), gate with --golden FOLDER and bless that run, or add goldens = \"...\" to its [limits] and \"golden\" to the checks of a case");
     folder = run.goldens;
     if (!folder.is_absolute()) {
       FORCEGATE_TRY(folder, folder_beside_plan(request, bundle, run));
@@ -216,10 +216,11 @@ Result<BlessAnswer> bless_run(const BlessRequest& request) {
     if (change.changed) files.emplace_back(folder / change.file, to_text(now));
     answer.changes.push_back(std::move(change));
   }
+  std::error_code unknown;
+  const std::string asked_for = request.goldens.empty() ? std::string("FOLDER") : file_quoted(request.goldens.string());
   if (answer.changes.empty())
     return fail(ErrorCode::usage, "no case of this run asks for a golden", head.plan_name,
-                "gate with --golden " + (request.goldens.empty() ? std::string("FOLDER") : shell_quoted(request.goldens.string())) +
-                    " and bless that run, or add \"golden\" to the checks of a case of the plan");
+                (fs::is_directory(request.goldens, unknown) ? "" : "make the folder (mkdir " + asked_for + "), ") + "gate with --golden " + asked_for + " and bless that run, or add \"golden\" to the checks of a case of the plan");
   answer.target = folder;
   answer.governance = folder.parent_path() / "CHANGES.md";
   std::string list;
@@ -295,6 +296,8 @@ Result<BlessAnswer> bless(const BlessRequest& request) {
   if (request.who.find_first_not_of(" \t") == std::string::npos)
     return fail(ErrorCode::usage, "somebody must answer for the change", {}, "add --who NAME");
   std::error_code ignored;
+  if (!fs::exists(request.source, ignored) && request.source.extension() == ".toml")  // a run is a folder
+    return fail(ErrorCode::usage, "there is no such file of limits", request.source.string(), "check the name: it is the file that forcegate limits -o wrote");
   return fs::is_regular_file(request.source, ignored) ? bless_limits(request) : bless_run(request);
 }
 

@@ -83,8 +83,9 @@ Result<std::string> plan_kind(const std::filesystem::path& path) {
   FORCEGATE_TRY(const ConfigNode root, read_config(path));
   const ConfigNode* kind = root.find("kind");
   if (kind == nullptr || kind->kind != ConfigNode::Kind::text)
-    return fail(ErrorCode::config, "the plan says no kind", path.string(),
-                "write kind = \"characterize\" or \"capacitance\"");
+    return fail(ErrorCode::config, root.find("case") != nullptr ? "this is a plan of a gate, not of a study" : "the plan says no kind", path.string(),
+                root.find("case") != nullptr ? "forcegate gate --plan plays it; the plans of a study that come with the program are characterize, tms and capacitance"
+                                             : "write kind = \"characterize\" or \"capacitance\"");
   return kind->text;
 }
 

@@ -20,7 +20,7 @@ namespace {
 std::string one_law_line(const Invocation& in, const std::string& output) {
   if (output.empty())
     return "forcegate add " + shell_quoted(in.text("EFFECT")) + " --fit " + campaign_words(in, in.text("fit")) + model_words(in) + " -o " +
-           shell_quoted(better_model_name(named_model(in)));
+           file_quoted(better_model_name(named_model(in)));
   const std::string line = export_line(in, output, in.text("fit")).value_or("");
   return line.find(" --fit ") != std::string::npos ? line : "";
 }
@@ -56,9 +56,9 @@ Result<int> run(const Invocation& in) {
                                                                    : "forcegate diagnose " + campaign_words(in, in.text("fit")) + model_words(in));
   } else if (request.output.empty())
     in.console().next("forcegate add " + shell_quoted(request.effect) + " --fit " + campaign_words(in, in.text("fit")) + model_words(in) +
-                      " -o " + shell_quoted(better_model_name(model)));
+                      " -o " + file_quoted(better_model_name(model)));
   else
-    in.console().next("forcegate history " + shell_quoted(request.output.string()) + " --on " +
+    in.console().next("forcegate history " + file_quoted(request.output.string()) + " --on " +
                       campaign_words(in, in.text("fit")));
   return kExitSuccess;
 }

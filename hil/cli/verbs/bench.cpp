@@ -102,7 +102,7 @@ Result<int> serve(const Invocation& in) {
     for (const std::string& e : endpoints) in.console().print(e);
     in.console().print("Ctrl-C ends the twins; in another terminal:");
     in.console().print_json(Json({{"format", 1}, {"folder", folder}, {"endpoints", endpoints}}).dump(2));
-    in.console().next("forcegate bench doctor " + shell_quoted(file) + " --attach " + shell_quoted(folder));
+    in.console().next("forcegate bench doctor " + file_quoted(file) + " --attach " + file_quoted(folder));
     std::fflush(stdout);
   };
   FORCEGATE_CHECK_OK(serve_bench(file, folder, ready, in.interrupt_flag()));

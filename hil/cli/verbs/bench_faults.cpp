@@ -21,7 +21,7 @@ std::vector<std::string> names() {
 std::string line_that_shows(const Invocation& in, const FaultMatrix& matrix) {
   auto row = std::ranges::find_if(matrix.rows, [](const FaultRow& r) { return !r.wrong.empty(); });
   if (row == matrix.rows.end()) row = matrix.rows.begin();
-  return "forcegate gate " + shell_quoted(in.text("FIRMWARE")) + " --plan " + shell_quoted(in.text("plan")) + " --fault " +
+  return "forcegate gate " + file_quoted(in.text("FIRMWARE")) + " --plan " + file_quoted(in.text("plan")) + " --fault " +
          shell_quoted(fmt::format("{}={}", row->scenario.name, row->scenario.magnitude)) + " -o faulty";
 }
 

@@ -16,16 +16,16 @@ bool has_twins(const std::string& file) {
 }  // namespace
 
 std::string bench_words(const Invocation& in, const std::string& file) {
-  return shell_quoted(file) + (in.given("attach") ? " --attach " + shell_quoted(in.text("attach")) : "");
+  return file_quoted(file) + (in.given("attach") ? " --attach " + file_quoted(in.text("attach")) : "");
 }
 
 std::string line_that_gates_on(const Invocation& in, const std::string& file, const std::string& calibration) {
-  const std::string cal = calibration.empty() ? "" : " --cal " + shell_quoted(calibration);
+  const std::string cal = calibration.empty() ? "" : " --cal " + file_quoted(calibration);
   if (!has_twins(file))
-    return "gate your build with --rig " + shell_quoted(file) + cal + " --arm when nobody reaches into the bench";
+    return "gate your build with --rig " + file_quoted(file) + cal + " --arm when nobody reaches into the bench";
   const std::optional<std::string> image = shipped_image("reference.native.so");
-  if (!image) return "gate a build of yours on it: forcegate gate FIRMWARE --rig " + shell_quoted(file) + cal + " --plan PLAN";
-  return "forcegate gate " + shell_quoted(*image) + " --rig " + shell_quoted(file) +
+  if (!image) return "gate a build of yours on it: forcegate gate FIRMWARE --rig " + file_quoted(file) + cal + " --plan PLAN";
+  return "forcegate gate " + file_quoted(*image) + " --rig " + file_quoted(file) +
          (in.given("attach") ? " --rig-option " + shell_quoted("attach=" + in.text("attach")) : "") + " --plan twin" + cal;
 }
 
@@ -39,7 +39,7 @@ std::string line_after_list(const std::vector<BenchRow>& benches) {
   auto row = std::ranges::find_if(benches, [&](const BenchRow& r) { return reads(r) && r.twins; });
   if (row == benches.end()) row = std::ranges::find_if(benches, reads);
   if (row == benches.end()) return "forcegate bench --help";
-  return "forcegate bench doctor " + shell_quoted(row->file);
+  return "forcegate bench doctor " + file_quoted(row->file);
 }
 
 }  // namespace forcegate

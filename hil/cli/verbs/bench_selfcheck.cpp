@@ -9,7 +9,7 @@ namespace {
 
 // The same build on the rig that is fit, under the plan that judges.
 std::string line_that_gates(const Invocation& in) {
-  std::string out = "forcegate gate " + shell_quoted(in.text("FIRMWARE")) + rig_words(in);
+  std::string out = "forcegate gate " + file_quoted(in.text("FIRMWARE")) + rig_words(in);
   for (const char* option : {"record", "map", "cal"})
     for (const std::string& word : in.texts(option)) out += std::string(" --") + option + " " + shell_quoted(word);
   return out;

@@ -13,13 +13,13 @@ bool in_force(const BlessAnswer& answer) { return std::ranges::none_of(answer.ch
 
 std::string line_after(const BlessRequest& asked, const BlessAnswer& answer) {
   if (answer.written) {
-    const std::string files = shell_quoted(answer.target.string()) + " " + shell_quoted(answer.governance.string());
+    const std::string files = file_quoted(answer.target.string()) + " " + file_quoted(answer.governance.string());
     return "git add " + files + " && git commit -m " + shell_quoted(asked.reason) + " -- " + files;
   }
   std::error_code ignored;
-  if (in_force(answer)) return std::filesystem::is_directory(asked.source, ignored) ? "forcegate check " + shell_quoted(asked.source.string()) : "forcegate gate --help";
+  if (in_force(answer)) return std::filesystem::is_directory(asked.source, ignored) ? "forcegate check " + file_quoted(asked.source.string()) : "forcegate gate --help";
   return bless_line(asked.source.string(), shell_quoted(asked.reason), shell_quoted(asked.who)) +
-         (asked.goldens.empty() ? "" : " --goldens " + shell_quoted(asked.goldens.string())) + (asked.plan.empty() ? "" : " --plan " + shell_quoted(asked.plan));
+         (asked.goldens.empty() ? "" : " --goldens " + file_quoted(asked.goldens.string())) + (asked.plan.empty() ? "" : " --plan " + file_quoted(asked.plan));
 }
 
 Result<int> run(const Invocation& in) {

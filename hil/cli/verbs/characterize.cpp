@@ -76,18 +76,18 @@ std::string what_next(const CharacterizeRequest& request, const Characterization
     if (name == made.studies.front().sensor + ".toml") model = file;
   }
   if (!request.recordings.empty() && !model.empty() && !request.rig_options.contains("map"))
-    return "forcegate compare " + shell_quoted(request.recordings.front().string()) + " --model " + shell_quoted(model.string());
+    return "forcegate compare " + file_quoted(request.recordings.front().string()) + " --model " + file_quoted(model.string());
   if (request.rig == "emulated" && model.empty()) return {};
   if (request.rig == "emulated") {
     const std::filesystem::path campaign = request.output / "campaign";
     std::error_code unknown;
-    if (std::filesystem::exists(campaign / "campaign.json", unknown)) return "forcegate compare " + shell_quoted(campaign.string()) + " --model " + shell_quoted(model.string());
+    if (std::filesystem::exists(campaign / "campaign.json", unknown)) return "forcegate compare " + file_quoted(campaign.string()) + " --model " + file_quoted(model.string());
     std::string options = made.studies.front().sensor == "fsr" ? " --rig-option sensor=fsr" : "";
     for (const auto& [name, value] : request.rig_options)
       if (name != "sensor") options += " --rig-option " + shell_quoted(name + "=" + value);
-    return fmt::format("forcegate record --specimen {} --seed {}{} -o {}", shell_quoted(made.plan.specimens.front()), made.plan.seed, options, shell_quoted(campaign.string()));
+    return fmt::format("forcegate record --specimen {} --seed {}{} -o {}", shell_quoted(made.plan.specimens.front()), made.plan.seed, options, file_quoted(campaign.string()));
   }
-  return calibration.empty() ? "" : "forcegate gate FIRMWARE --cal " + shell_quoted(calibration.string());
+  return calibration.empty() ? "" : "forcegate gate FIRMWARE --cal " + file_quoted(calibration.string());
 }
 
 Result<int> run_weights(const Invocation& in, const CharacterizeRequest& request) {
@@ -162,13 +162,14 @@ Result<int> run(const Invocation& in) {
   bool kept = true;
   for (const auto& r : check_limits(made->studies, made->plan)) {
     kept = kept && r.kept;
-    text += fmt::format("{} {} {}: worst {} {} ({}), {}{}{} - {}; {} of {} {} outside\n",
-                        console.paint(r.kept ? Paint::pass : Paint::fail, r.kept ? "kept " : "BROKEN"),
-                        r.sensor, r.title, short_number(r.worst), r.unit, r.specimen,
-                        std::isfinite(r.limit.minimum) ? "at least " + short_number(r.limit.minimum) : "",
-                        std::isfinite(r.limit.minimum) && std::isfinite(r.limit.maximum) ? ", " : "",
-                        std::isfinite(r.limit.maximum) ? "at most " + short_number(r.limit.maximum) : "",
-                        r.limit.source, r.outside, r.sessions, request.recordings.empty() ? "sessions" : "recordings");
+    const std::string asked = (std::isfinite(r.limit.minimum) ? "at least " + short_number(r.limit.minimum) : "") +
+                              (std::isfinite(r.limit.minimum) && std::isfinite(r.limit.maximum) ? ", " : "") +
+                              (std::isfinite(r.limit.maximum) ? "at most " + short_number(r.limit.maximum) : "") + " - " + r.limit.source;
+    if (r.sessions > 0)
+      text += fmt::format("{} {} {}: worst {} {} ({}), {}; {} of {} {} outside\n", console.paint(r.kept ? Paint::pass : Paint::fail, r.kept ? "kept " : "BROKEN"), r.sensor, r.title,
+                          short_number(r.worst), r.unit, r.specimen, asked, r.outside, r.sessions, request.recordings.empty() ? "sessions" : "recordings");
+    else
+      text += fmt::format("{} {} by any of the {}: {}\n", console.paint(Paint::fail, "not measured"), r.limit.key, request.recordings.empty() ? "sessions" : "recordings", asked);
   }
   std::size_t outside = 0;
   for (const PaperClaim& c : compare_with_paper(made->studies))
@@ -216,7 +217,7 @@ const Registration<Command> kRow{Command{
         "resistance and capacitance of packs of eight sensors, frequency sweeps, force models "
         "of one and of two variables (docs/paper-capacitance.md).\n\n"
         "A recording can stand for the rig: cyclic ones give the decay, slow ones the static law. With --plan it must keep that plan's limits, a key "
-        "that no recording measures being a broken one.",
+        "that no recording measures being one that is not kept.",
     .options = joined(
         {{{.name = "plan",
            .value_name = "PLAN",

@@ -14,8 +14,8 @@ std::string line_after(const Invocation& in, const CheckAnswer& answer) {
   if (answer.other_limits && !in.given("output")) return in.command_line() + " -o judged.json";
   const std::string judged = in.given("output") ? in.text("output") : in.text("RUN");
   const std::filesystem::path page = (std::filesystem::path(judged) / "").parent_path().stem();
-  return "forcegate report " + shell_quoted(judged) + " --format html -o " +
-         shell_quoted((page.string().find_first_not_of('.') == std::string::npos ? "report" : page.string()) + ".html");
+  return "forcegate report " + file_quoted(judged) + " --format html -o " +
+         file_quoted((page.string().find_first_not_of('.') == std::string::npos ? "report" : page.string()) + ".html");
 }
 
 Result<int> run(const Invocation& in) {

@@ -20,7 +20,7 @@ std::string line_after(const ConvertReport& report, const std::string& file) {
   const auto has = [&](const char* name) {
     return std::ranges::any_of(report.channels, [&](const ConvertedChannel& c) { return c.name == name && c.samples - c.missing >= kFewest; });
   };
-  return has("F_ref") && has("U") ? "forcegate diagnose " + shell_quoted(file) : "forcegate convert --help";
+  return has("F_ref") && has("U") ? "forcegate diagnose " + file_quoted(file) : "forcegate convert --help";
 }
 
 std::vector<std::string> print_notes(Console& console, const std::vector<std::string>& notes) {
@@ -44,7 +44,7 @@ Result<int> run_split(const Invocation& in, ConvertRequest given) {
   console.print(counted(report.parts.size(), "file") + " written to " + in.text("TO"));
   console.print_json(nlohmann::ordered_json{{"format", 1}, {"from", printable_utf8(in.text("FROM"))}, {"to", printable_utf8(in.text("TO"))}, {"split", printable_utf8(in.text("split"))}, {"parts", parts}, {"notes", notes}}
                          .dump(2));
-  console.next("forcegate diagnose " + shell_quoted(report.take_turns ? report.parts.front().file.string() : in.text("TO")));
+  console.next("forcegate diagnose " + file_quoted(report.take_turns ? report.parts.front().file.string() : in.text("TO")));
   return kExitSuccess;
 }
 

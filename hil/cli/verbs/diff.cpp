@@ -10,7 +10,7 @@ Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const RunDiff diff, diff_runs(in.text("RUN_A"), in.text("RUN_B")));
   in.console().print(diff_text(diff));
   in.console().print_json(diff_json(diff));
-  in.console().next("forcegate report " + shell_quoted(in.text("RUN_B")) + " --format html -o b.html");
+  in.console().next("forcegate report " + file_quoted(in.text("RUN_B")) + " --format html -o b.html");
   return kExitSuccess;
 }
 

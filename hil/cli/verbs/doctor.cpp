@@ -52,7 +52,7 @@ Result<int> run(const Invocation& in) {
                     : console.paint(Paint::fail, "not ready") + ": get what is MISSING above");
   console.print_json(document.dump(2));
   const std::optional<std::string> image = shipped_image("reference-m4f.block.elf");
-  console.next(ready && image ? "forcegate gate " + shell_quoted(*image) : image && !find_plan("smoke") ? "forcegate gate --help" : "./ci/build");
+  console.next(ready && image ? "forcegate gate " + file_quoted(*image) : image && !find_plan("smoke") ? "forcegate gate --help" : "./ci/build");
   return ready ? kExitSuccess : kExitNoDecision;
 }
 

@@ -18,24 +18,24 @@ namespace {
 // The firmware around the header is built by a script of the source tree. Elsewhere the header is first held against recordings. The check has
 // compiled it; where no source tree lies around the program, it is compiled with all warnings.
 std::string line_after(const Invocation& in, const ExportResult& answer) {
-  const std::string file = shell_quoted(answer.header.string());
+  const std::string file = file_quoted(answer.header.string());
   std::error_code ignored;
   // the firmware of the source tree reads volts
   if (answer.input.empty() && std::filesystem::is_regular_file("ci/firmware", ignored)) return "ci/firmware " + file + " mine";
-  if (in.given("fit") && !in.given("check")) return in.command_line() + " --check " + shell_quoted(in.text("fit"));
+  if (in.given("fit") && !in.given("check")) return in.command_line() + " --check " + file_quoted(in.text("fit"));
   const std::filesystem::path script = program_folder() / ".." / "ci" / "firmware";
   if (answer.input.empty() && std::filesystem::is_regular_file(script, ignored))
-    return shell_quoted(path_from_here(script.lexically_normal())) + " " + file + " mine firmware-mine";
+    return file_quoted(path_from_here(script.lexically_normal())) + " " + file + " mine firmware-mine";
   return "cc -std=c11 -Wall -fsyntax-only -x c " + file;
 }
 
 // Gain and offset that are not those of the records: a model of theirs.
 std::string refit_on_checked(const Invocation& in) {
-  std::string out = "forcegate fit " + shell_quoted(in.text("check")) + " --model " + shell_quoted(in.text("MODEL"));
+  std::string out = "forcegate fit " + file_quoted(in.text("check")) + " --model " + file_quoted(in.text("MODEL"));
   for (const std::string& map : in.texts("map")) out += " --map " + shell_quoted(map);
   if (in.given("divider")) out += " --divider " + shell_quoted(in.text("divider"));
   if (in.given("late")) out += " --late " + in.text("late");
-  return out + " -o " + shell_quoted(better_model_name(in.text("MODEL")));
+  return out + " -o " + file_quoted(better_model_name(in.text("MODEL")));
 }
 
 Result<int> run(const Invocation& in) {

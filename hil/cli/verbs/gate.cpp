@@ -81,6 +81,10 @@ Result<int> run(const Invocation& in) {
   console.print(render_console(*made, {.colour = console.color(), .notes = !console.quiet()}));
   if (const ReporterKind* json = Registry<ReporterKind>::instance().find("json"))
     console.print_json(json->render(*made));
+  if (made->not_written) {
+    console.error_beside(*made->not_written);
+    return made->decision.exit_code != kExitSuccess ? made->decision.exit_code : exit_code_of(made->not_written->code);
+  }
   if (made->decision.exit_code == kExitInterrupted)
     console.next(in.command_line());
   else

@@ -26,10 +26,13 @@ Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const History answer, history_request(request));
   in.console().print(history_text(answer));
   in.console().print_json(history_json(answer));
-  if (answer.waterfall)
+  const std::string beside = in.given("on") ? in.text("on") : campaign_beside(answer.model);
+  if (leads_to_no_use(answer.model))  // as add goes on: a header of it would be no better
+    in.console().next(beside.empty() ? "forcegate history --help" : "forcegate diagnose " + (in.given("on") ? campaign_words(in, beside) : file_quoted(beside)));
+  else if (answer.waterfall)
     in.console().next(line_after_fit(in, request.model, in.text("on"), answer.waterfall->end, answer.waterfall->floor));
-  else if (const std::string campaign = campaign_beside(answer.model); !campaign.empty())
-    in.console().next("forcegate history " + shell_quoted(request.model) + " --on " + shell_quoted(campaign));
+  else if (!beside.empty())
+    in.console().next("forcegate history " + file_quoted(request.model) + " --on " + file_quoted(beside));
   else
     in.console().next(export_line(in, request.model, "").value_or("forcegate history --help"));
   return kExitSuccess;

@@ -13,7 +13,7 @@ namespace {
 std::string line_after(const Invocation& in, const std::vector<ParameterAnswer>& answers) {
   const auto lacking = std::ranges::find_if(answers, [](const ParameterAnswer& a) { return !a.added.empty(); });
   if (lacking == answers.end()) return find_plan("campaign") ? "forcegate plan campaign" : "forcegate record --help";
-  std::string out = "forcegate laws " + shell_quoted(in.text("TABLE")) + " --of " + shell_quoted(lacking->name);
+  std::string out = "forcegate laws " + file_quoted(in.text("TABLE")) + " --of " + shell_quoted(lacking->name);
   const auto repeat = [&](const std::string& option) {
     for (const std::string& word : in.texts(option)) out += " --" + option + " " + shell_quoted(word);
   };

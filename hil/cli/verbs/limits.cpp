@@ -39,7 +39,7 @@ Result<int> run(const Invocation& in) {
   if (!request.records.empty()) recorded = " --record NEW.csv";  // none that the limits were made of: it passes by construction
   for (const std::string& name : request.only_cases) recorded += " --case " + shell_quoted(name);
   for (const std::string& word : in.texts("map")) recorded += " --map " + shell_quoted(word);
-  if (in.given("cal")) recorded += " --cal " + shell_quoted(in.text("cal"));
+  if (in.given("cal")) recorded += " --cal " + file_quoted(in.text("cal"));
   in.console().next(in.given("output") ? line_after_limits(in, made->limits, in.text("output"), recorded)
                                        : in.command_line() + " -o limits.toml");
   return kExitSuccess;

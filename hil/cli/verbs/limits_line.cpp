@@ -17,12 +17,12 @@ std::string line_after_limits(const Invocation& in, const DerivedLimits& limits,
     const std::string reason = fmt::format("derived for plan {} from {} values each", limits.plan, n);
     return bless_line(file, shell_quoted(reason), "\"$(id -un)\"") + " --dry-run";
   }
-  const std::string plan = recorded && !in.given("plan") ? "" : " --plan " + shell_quoted(in.text("plan"));
-  return "forcegate gate " + shell_quoted(in.text("FIRMWARE")) + on + plan + " --limits " + shell_quoted(file);
+  const std::string plan = recorded && !in.given("plan") ? "" : " --plan " + file_quoted(in.text("plan"));
+  return "forcegate gate " + file_quoted(in.text("FIRMWARE")) + on + plan + " --limits " + file_quoted(file);
 }
 
 std::string bless_line(const std::string& source, const std::string& reason, const std::string& who) {
-  return "forcegate bless " + shell_quoted(source) + " --reason " + reason + " --who " + who;
+  return "forcegate bless " + file_quoted(source) + " --reason " + reason + " --who " + who;
 }
 
 }  // namespace forcegate

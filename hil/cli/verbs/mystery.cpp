@@ -43,7 +43,7 @@ Result<int> run(const Invocation& in) {
                 }));
   console.print(fmt::format("{}: {}, {}, {:.0f} minutes of rig time", made.folder.string(),
                             counted(made.records, "record"), counted(made.rows, "sample"), made.campaign_minutes));
-  console.print("with an answer: forcegate reveal " + shell_quoted(made.folder.string()) + " --effect NAME");
+  console.print("with an answer: forcegate reveal " + file_quoted(made.folder.string()) + " --effect NAME");
   console.print_json(nlohmann::ordered_json{{"format", 1},
                                             {"folder", made.folder.string()},
                                             {"seed", request.seed},
@@ -52,7 +52,7 @@ Result<int> run(const Invocation& in) {
                                             {"rows", made.rows},
                                             {"campaign_minutes", made.campaign_minutes}}
                          .dump(2));
-  console.next("forcegate diagnose " + shell_quoted(made.folder.string()));
+  console.next("forcegate diagnose " + file_quoted(made.folder.string()));
   return kExitSuccess;
 }
 

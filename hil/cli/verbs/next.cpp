@@ -70,10 +70,10 @@ Result<int> write(const Invocation& in, const Diagnosis& diagnosis) {
   std::string text;
   for (const std::filesystem::path& file : files) text += "wrote " + file.string() + "\n";
   in.console().print(text + "record each of them on your rig, then give the recordings: forcegate next " + given_words(in) +
-                     " --run --record FILE -o " + shell_quoted(in.text("output")));
+                     " --run --record FILE -o " + file_quoted(in.text("output")));
   in.console().print_json(next_json(diagnosis));
-  in.console().next("forcegate stimulus replay path=" + shell_quoted(files.front().string()) + " --plot " +
-                    shell_quoted(std::filesystem::path(files.front()).replace_extension(".svg").string()));
+  in.console().next("forcegate stimulus replay path=" + file_quoted(files.front().string()) + " --plot " +
+                    file_quoted(std::filesystem::path(files.front()).replace_extension(".svg").string()));
   return kExitSuccess;
 }
 
@@ -95,7 +95,7 @@ Result<int> run(const Invocation& in) {
   else if (is_playable(answer) && (in.given("rig") || in.given("rig-option")))
     in.console().next(in.command_line() + " --run");
   else
-    in.console().next("forcegate next " + given_words(in) + " -o " + shell_quoted(next_folder(in.text("CAMPAIGN")).string()));
+    in.console().next("forcegate next " + given_words(in) + " -o " + file_quoted(next_folder(in.text("CAMPAIGN")).string()));
   return kExitSuccess;
 }
 

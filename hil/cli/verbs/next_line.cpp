@@ -10,7 +10,7 @@
 namespace forcegate {
 namespace {
 
-std::string with_model(const std::string& model) { return model.empty() ? "" : " --model " + shell_quoted(model); }
+std::string with_model(const std::string& model) { return model.empty() ? "" : " --model " + file_quoted(model); }
 
 std::vector<std::string> effects_of(const std::string& name) {
   const auto model = load_model(name);
@@ -31,7 +31,7 @@ std::optional<std::string> export_line(const Invocation& in, const std::string& 
   const bool shipped = is_shipped_model(model);
   const std::optional<ExportOffer> offer = export_offer(model, records ? &*records : nullptr);
   if (!offer || (shipped && !offer->refit)) return std::nullopt;
-  std::string out = "forcegate export " + (model.empty() ? "flexiforce" : shell_quoted(model));
+  std::string out = "forcegate export " + (model.empty() ? "flexiforce" : file_quoted(model));
   if (offer->refit) out += " --fit " + campaign_words(in, campaign);
   if (offer->check) {
     out += " --check " + campaign_words(in, campaign);
@@ -57,7 +57,7 @@ std::string line_after_diagnosis(const Invocation& in, const Diagnosis& d, const
   switch (what.step) {
     case Step::align: return "forcegate diagnose " + campaign_words(in, about.campaign, what.late_s) + with_model(model);
     case Step::add:
-      return "forcegate add " + shell_quoted(what.word) + " --fit " + both + " -o " + shell_quoted(better_model_name(model));
+      return "forcegate add " + shell_quoted(what.word) + " --fit " + both + " -o " + file_quoted(better_model_name(model));
     case Step::experiment: return "forcegate next " + both;
     case Step::page: return "forcegate diagnose " + both + " --html diagnosis.html";
     case Step::fit: return "forcegate fit " + both + " -o model.toml";
@@ -74,7 +74,7 @@ std::string line_after_diagnosis(const Invocation& in, const Diagnosis& d, const
 std::string line_after_fit(const Invocation& in, const std::string& model, const std::string& campaign, double error, double floor) {
   if (is_noise(error, floor))
     if (const std::optional<std::string> line = export_line(in, model, campaign)) return *line;
-  return "forcegate diagnose " + campaign_words(in, campaign) + " --model " + shell_quoted(model);
+  return "forcegate diagnose " + campaign_words(in, campaign) + " --model " + file_quoted(model);
 }
 
 }  // namespace forcegate

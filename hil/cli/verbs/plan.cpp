@@ -42,13 +42,13 @@ Result<int> run(const Invocation& in) {
   if (estimate.name == "campaign")  // it judges no firmware
     in.console().next("forcegate record --help");
   else if (estimate.refused)
-    in.console().next("mend the plan (docs/plan.md), then: forcegate plan " + shell_quoted(in.text("PLAN")));
+    in.console().next("mend the plan (docs/plan.md), then: forcegate plan " + file_quoted(in.text("PLAN")));
   else if (estimate.replays)
-    in.console().next("judge a recording of yours with it: forcegate gate " + shell_quoted(image.value_or("FIRMWARE")) + " --record FILE" +
-                      (estimate.name == "replay" ? std::string() : " --plan " + shell_quoted(in.text("PLAN"))));
+    in.console().next("judge a recording of yours with it: forcegate gate " + file_quoted(image.value_or("FIRMWARE")) + " --record FILE" +
+                      (estimate.name == "replay" ? std::string() : " --plan " + file_quoted(in.text("PLAN"))));
   else
-    in.console().next(image ? "forcegate gate " + shell_quoted(*image) + " --plan " + shell_quoted(in.text("PLAN"))
-                            : "gate a build of yours with it: forcegate gate FIRMWARE --plan " + shell_quoted(in.text("PLAN")));
+    in.console().next(image ? "forcegate gate " + file_quoted(*image) + " --plan " + file_quoted(in.text("PLAN"))
+                            : "gate a build of yours with it: forcegate gate FIRMWARE --plan " + file_quoted(in.text("PLAN")));
   return kExitSuccess;
 }
 
@@ -59,8 +59,9 @@ const Registration<Command> kRow{Command{
     .description =
         "A plan says what is played, on which specimens, and what is required of the firmware "
         "(docs/plan.md). Mistakes are named with file, line and column. --estimate adds the time on a real "
-        "bench, rests of the specimen included, and on the emulated rig.",
-    .positionals = {{.name = "PLAN", .doc = "Plan file, or the name of one in ci/plans.", .names = Names::input}},
+        "bench, rests of the specimen included, and on the emulated rig.\n\nThe plans of a study (characterize, tms, capacitance) are not a gate's: forcegate characterize "
+        "--plan checks them, before anything is played.",
+    .positionals = {{.name = "PLAN", .doc = "Plan file of a gate, or the name of one in ci/plans.", .names = Names::input}},
     .options = {{.name = "estimate", .value_name = "", .doc = "Bench time and emulated time."}},
     .examples = {{"forcegate plan bench --estimate", "Does the bench plan fit one shift?"},
                  {"forcegate plan capacitance-gate --estimate", "And two days of weights?"}},

@@ -47,6 +47,7 @@ Result<int> run(const Invocation& in) {
                    ? "no mutant was played: nothing is said of what slips through (--mutant-seeds 1 plays each once)"
                : result->good()
                    ? "the gate sees what it claims to see; docs/power.md explains the table"
+               : result->nothing_asked() ? "nothing was gated: no run of the reference or of a mutant was asked for (--seeds, --mutant-seeds)"
                : result->nothing_built() ? "no mutant is built in " + request.firmware.string() + ": nothing was gated (ninja mutants)"
                    : "write the check that sees a survivor, or say in its 'note:' why there is none");
   return result->good() ? kExitSuccess : kExitReject;

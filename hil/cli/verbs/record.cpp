@@ -32,7 +32,7 @@ Result<int> run(const Invocation& in) {
   in.console().print(text);
   in.console().notes(made->notes);
   in.console().print_json(record_json(*made));
-  in.console().next("forcegate diagnose " + shell_quoted(made->folder.string()));
+  in.console().next("forcegate diagnose " + file_quoted(made->folder.string()));
   return kExitSuccess;
 }
 

@@ -40,7 +40,7 @@ Result<int> run(const Invocation& in) {
       {"last_s", r.last_s},
       {"closed",
        r.closed}}.dump(2));
-  console.next("forcegate convert " + shell_quoted(done.output.string()) + " out.csv");
+  console.next("forcegate convert " + file_quoted(done.output.string()) + " out.csv");
   return kExitSuccess;
 }
 

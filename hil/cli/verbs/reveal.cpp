@@ -43,7 +43,7 @@ Result<int> run(const Invocation& in) {
                           {"score", score_json(result)}}
                          .dump(2));
   if (!result.score)
-    console.next("forcegate diagnose " + shell_quoted(in.text("DIR")) + " --json > answer.json");
+    console.next("forcegate diagnose " + file_quoted(in.text("DIR")) + " --json > answer.json");
   else
     console.next("forcegate mystery --help");
   return kExitSuccess;

@@ -35,7 +35,7 @@ std::vector<Option> rig_rows() {
 }
 
 std::string rig_words(const Invocation& in) {
-  std::string out = in.given("rig") ? " --rig " + shell_quoted(in.text("rig")) : "";
+  std::string out = in.given("rig") ? " --rig " + file_quoted(in.text("rig")) : "";
   for (const std::string& option : in.texts("rig-option")) out += " --rig-option " + shell_quoted(option);
   return out + (in.flag("arm") ? " --arm" : "");
 }

@@ -133,7 +133,7 @@ Result<int> run(const Invocation& in) {
   if (in.given("plot"))
     console.look_at(in.text("plot"));
   else
-    console.next(in.command_line() + " --plot " + shell_quoted(spec.name + ".svg"));
+    console.next(in.command_line() + " --plot " + file_quoted(spec.name + ".svg"));
   return kExitSuccess;
 }
 

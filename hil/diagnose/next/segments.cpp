@@ -168,7 +168,16 @@ struct Levels {
 constexpr double kStep_s = 0.005;
 constexpr double kEdge = 0.05;  // of the campaign's range, left out at either end
 
-Levels levels_of(const Workspace& w) { return {w.input.lowest_N + kEdge * w.input.range_N, w.input.lowest_N + (1.0 - kEdge) * w.input.range_N}; }
+// Of what the records cover, as much as lies in the declared range of the reference; all of it where next to none does, for then the
+// records and not the proposal contradict the declaration.
+Levels levels_of(const Workspace& w) {
+  const Levels covered{w.input.lowest_N + kEdge * w.input.range_N, w.input.lowest_N + (1.0 - kEdge) * w.input.range_N};
+  const BenchFacts& bench = w.input.bench;
+  Levels allowed = covered;
+  if (std::isfinite(bench.force_min_N)) allowed.low = std::max(allowed.low, bench.force_min_N);
+  if (std::isfinite(bench.force_max_N)) allowed.high = std::min(allowed.high, bench.force_max_N);
+  return allowed.high - allowed.low > kEdge * w.input.range_N ? allowed : covered;
+}
 
 // Rows of at least four samples, 6000 of them at most.
 void play(const Segment& s, const Levels& levels, RecordInput& r) {

@@ -41,6 +41,23 @@ TEST(HistoryText, AFloorThatIsNotKnownIsNull) {
   EXPECT_TRUE(steps[1]["one_law"].get<bool>());
 }
 
+TEST(HistoryText, WhatAddAdvisesToLeaveOutLeadsToNoHeader) {
+  History h = with_both_steps();
+  h.model.effects.emplace_back().effect = "hysteresis";
+  EXPECT_FALSE(leads_to_no_use(h.model));
+  HistoryStep& step = h.model.history.front();
+  step.error_before = 0.00180, step.error_after = 0.00179;  // "accepted", by half a percent
+  step.plain_before = 0.1336, step.plain_after = 0.1337;
+  EXPECT_TRUE(leads_to_no_use(h.model));
+  EXPECT_NE(history_text(h).find("not shown by them"), std::string::npos) << history_text(h);
+  step.plain_after = 0.08;
+  EXPECT_FALSE(leads_to_no_use(h.model)) << "a law for all records needs it";
+  step.error_after = step.error_before;
+  EXPECT_FALSE(leads_to_no_use(h.model));
+  step.plain_after = step.plain_before;
+  EXPECT_TRUE(leads_to_no_use(h.model));
+}
+
 TEST(HistoryText, AModelFileKeepsIt) {
   const auto again = parse_model(write_model(with_both_steps().model), "m.toml");
   ASSERT_TRUE(again) << again.error().to_text();

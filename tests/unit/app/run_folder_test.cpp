@@ -37,5 +37,14 @@ TEST_F(RunFolderTest, IsFreeAtOnceWhenTheRunThatFilledItWasKilled) {
   waitpid(child, nullptr, 0);
 }
 
+// What it is called before it is whole is longer than its name.
+TEST_F(RunFolderTest, ANameThatLeavesNoRoomForThatIsToldByItsLength) {
+  const auto refused = RunFolder::open(folder_ / std::string(240, 'a'));
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::usage);
+  EXPECT_THAT(refused.error().text, HasSubstr("too long: 240 bytes, and 234 are left for it"));
+  EXPECT_TRUE(RunFolder::open(folder_ / std::string(234, 'a')));
+}
+
 }  // namespace
 }  // namespace forcegate::test

@@ -81,6 +81,12 @@ TEST(BenchFile, EveryMistakeNamesItsLineAndHelps) {
       {{{"comm_timeout = { addr = 0x1000", "comm_timeout = { addr = 0x1000, limits = [0, 100]"}}, "200 for register 'comm_timeout' is outside its limits"},
       {{{"limits = [-40.0, 40.0]", "limits = [0.0, 40.0]"}}, "must turn either way"},
       {{{"limits = [-40.0, 40.0]", "limits = [-40.0, 10.0]"}}, "takes no more than 10 rad/s in either direction"},
+      {{{"force_max_N = 5.5", "force_max_N = 55"}}, "force_max_N = 55 in [limits], and the reference measures no more than 17 N"},
+      {{{"force_max_N = 17", "force_max_N = 3"}}, "force_max_N = 5.5 in [limits], and the reference measures no more than 3 N"},
+      {{{"resolution_N = 0.025", "resolution_N = 2.5"}}, "'resolution_N' in [reference] = 2.5 is more than a tenth of force_max_N"},
+      {{{"u_rel = 0.005", "u_rel = 5"}}, "'u_rel' in [reference] = 5 is out of range: that is 500 % of the force"},
+      {{{"u_rel = 0.005", "u_rel = -0.005"}}, "'u_rel' in [reference] = -0.005 is out of range"},
+      {{{"port = \"board0\"", "port = \"ati0\""}}, "[reference] and [board] name one port, 'ati0'"},
   };
   for (const Case& c : cases) {
     const Error e = mistake(c.changes);
@@ -88,6 +94,26 @@ TEST(BenchFile, EveryMistakeNamesItsLineAndHelps) {
     EXPECT_NE((e.text + e.hint).find(c.text), std::string::npos) << e.to_text();
     EXPECT_NE(e.where.find(".toml:"), std::string::npos) << e.to_text();
   }
+}
+
+TEST(BenchFile, TwoNamesOfOnePortAreOnePortUnlessProgramsShareIt) {
+  const Error e = mistake({{"[reference]\nadapter", "[ports]\nati0 = \"/dev/ttyUSB0\"\nboard0 = \"/dev/ttyUSB0\"\n\n[reference]\nadapter"}});
+  EXPECT_NE(e.text.find("[reference] and [board] name one port, '/dev/ttyUSB0'"), std::string::npos) << e.to_text();
+  EXPECT_NE(e.where.find("t.toml:28:"), std::string::npos) << "the second of the two: " << e.where;
+  const auto shared = read_bench_text(bench_text("twin_python.toml", {{"port = \"board0\"", "port = \"ati0\""}}), "t.toml");
+  ASSERT_TRUE(shared) << shared.error().to_text();
+  EXPECT_TRUE(check_devices(*shared)) << check_devices(*shared).error().to_text();
+}
+
+TEST(BenchFile, ACalibrationOfTheReferenceThatNobodyLooksAfterIsRemarked) {
+  const auto remark = [](const Changes& changes) {
+    const auto bench = read_bench_text(bench_text("twin.toml", changes), "t.toml");
+    EXPECT_TRUE(bench) << bench.error().to_text();
+    return bench ? reference_calibration_remark(*bench) : std::string();
+  };
+  EXPECT_EQ(remark({}), "");
+  EXPECT_EQ(remark({{"calibration_id = \"ATI-T-1\"", "calibration_id = \"OTHER\""}}), "the date under [calibration] is that of ATI-T-1, and calibration_id of [reference] is OTHER");
+  EXPECT_NE(remark({{"reference = { id = \"ATI-T-1\", expires = \"2099-12-31\" }\n", ""}}).find("[calibration] has no 'reference'"), std::string::npos);
 }
 
 TEST(BenchFile, InputRegistersHaveAddressesOfTheirOwnUnlessTheyAreWritten) {

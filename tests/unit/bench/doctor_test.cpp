@@ -39,6 +39,12 @@ TEST_F(BenchDoctor, AReferenceWithoutAnyValidReadingIsBad) {
   EXPECT_THAT(faulty.remedy, HasSubstr("unload the sensor"));
 }
 
+TEST_F(BenchDoctor, ACalibrationOfTheReferenceWithoutADateOfItsOwnIsBad) {
+  const BenchItem other = item("calibration", test::bench_text("twin.toml", {{"calibration_id = \"ATI-T-1\"", "calibration_id = \"OTHER\""}}));
+  EXPECT_FALSE(other.good);
+  EXPECT_THAT(other.found, HasSubstr("calibration_id of [reference] is OTHER"));
+}
+
 TEST_F(BenchDoctor, OfASilentReferenceNamesWhatThereIsToLookAt) {
   EXPECT_THAT(no_reading({}, "ati_serial").error().hint, HasSubstr("the controller's display"));
   const std::string of_program = no_reading({{"refused", 0}}, "process").error().hint;

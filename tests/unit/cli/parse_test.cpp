@@ -149,6 +149,14 @@ TEST(Parse, AnOptionIsLeftOutOfTheCommandLineHoweverItWasWritten) {
   EXPECT_EQ(invocation(value, console).command_line_without("speed"), "forcegate play fugue --map --speed -- --speed");
 }
 
+TEST(Parse, AFileBehindTheEndOfTheOptionsIsSaidSoThatTheLineMayGoOn) {
+  Console console({});
+  const std::vector<Command> reads = {{.name = "load", .group = "Test", .summary = "loads", .description = "Loads.", .positionals = {{.name = "FILE", .doc = "Which.", .names = Names::input}}, .run = [](const Invocation&) -> Result<int> { return 0; }}};
+  const std::vector<std::string> words{"load", "--", "-q.csv"};
+  const ParsedLine line = parse_command_line(words, reads);
+  EXPECT_EQ(invocation(line, console).command_line(), "forcegate load ./-q.csv");
+}
+
 TEST(Parse, AnyArgumentsGiveALineOrAnErrorWithHelp) {
   const std::vector<std::string> words = {"play", "--speed",  "-s", "--",     "-",      "--loud=", "=",
                                           "--=x", "\xff\x01", "",   "--tone", "low",    "--json",  "--color",

@@ -62,6 +62,21 @@ TEST_F(Reveal, AClaimOfWhatWasNotHiddenIsToldBesideARightName) {
   EXPECT_THAT(one->sentence, Not(HasSubstr("also claims")));
 }
 
+TEST_F(Reveal, WhatIsListedFirstAndNotClaimedWasNotTheAnswer) {
+  const auto sentence = [&](const std::string& answer) {
+    const auto asked_for = asked(answer);
+    EXPECT_TRUE(asked_for && !asked_for->right) << answer;
+    return asked_for ? asked_for->sentence : std::string();
+  };
+  EXPECT_THAT(sentence(R"({"campaign": "m", "verdict": "none", "findings": [{"effect": "hysteresis", "probability": 0.49}]})"),
+              HasSubstr("Wrong: hidden was hysteresis, in the answer it is listed first, but not claimed (0.49)."));
+  EXPECT_THAT(sentence(R"({"campaign": "m", "verdict": "unknown", "findings": [{"effect": "hysteresis", "probability": 0.8}]})"),
+              HasSubstr("listed first, but the verdict is \"unknown\"."));
+  EXPECT_THAT(sentence(R"({"campaign": "m", "verdict": "none", "findings": [{"effect": "creep", "probability": 0.3}]})"),
+              HasSubstr("hidden was hysteresis, in the answer creep is listed first, but not claimed (0.3)."));
+  EXPECT_THAT(sentence(R"({"campaign": "m", "verdict": "known", "findings": [{"effect": "creep", "probability": 0.9}]})"), HasSubstr(", the answer was creep."));
+}
+
 TEST_F(Reveal, AFileThatIsNoAnswerIsToldWithoutTheNamesOfALibrary) {
   for (const char* text : {"t_s,F_ref_N\n", "{\"a\": 1}", "{\"verdict\": 3}"}) {
     const auto none = asked(text);

@@ -138,6 +138,8 @@ TEST(Power, what_was_never_played_is_no_good_gate) {
   EXPECT_FALSE(r.good()) << "there, and played on no case";
   r.request.mutant_seeds = r.request.family_seeds = 0;
   EXPECT_TRUE(r.good()) << "no run of it was asked for";
+  r.request.seeds = r.request.panel_seeds = 0;
+  EXPECT_FALSE(r.good()) << "nor of any other image";
   PowerResult none;
   none.not_built = {"gain_pct@1"};
   EXPECT_TRUE(none.nothing_built());

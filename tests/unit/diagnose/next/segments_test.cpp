@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace forcegate::diagnose {
 namespace {
 
@@ -25,6 +27,28 @@ TEST(Segments, AJumpOfTheFrequencyMayBump) {
       for (const std::vector<double>& shape : form.grid(w.input)) most = std::max(most, largest(w.input, played, form, shape));
   }
   EXPECT_GT(most, 0.1);
+}
+
+// What a campaign says that its reference measures.
+TEST(Segments, StayInTheDeclaredRangeOfForces) {
+  Workspace w;
+  w.input.lowest_N = 0.5;
+  w.input.range_N = 4.0;
+  w.input.records.emplace_back();
+  w.input.bench.force_min_N = 0.0;
+  const auto highest = [&] {
+    double high = 0.0;
+    for (const Segment& s : segments())
+      for (const double F : simulate(w, s).fast_F_N) high = std::max(high, F);
+    return high;
+  };
+  EXPECT_NEAR(highest(), 4.3, 0.01) << "nothing is declared of the other end";
+  w.input.bench.force_max_N = 5.0;
+  EXPECT_NEAR(highest(), 4.3, 0.01);
+  w.input.bench.force_max_N = 1.0;
+  EXPECT_NEAR(highest(), 1.0, 1e-6);
+  w.input.bench.force_max_N = 0.4;
+  EXPECT_NEAR(highest(), 4.3, 0.01) << "the records contradict it, and nothing of it is known";
 }
 
 // What `forcegate stimulus` makes of the parameters is the force that was simulated and that --run plays.
