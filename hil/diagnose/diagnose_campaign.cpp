@@ -66,8 +66,9 @@ Result<Diagnosed> diagnose_parts(CampaignRows rows, const EngineOptions& options
   }
   const double plain = std::max(kFarAbove * answer.floor, kLargestWander * wanders.workspace->output.scale);
   if (answer.verdict != DiagnosisVerdict::none) return wanders;
-  if (answer.plain_after < plain) {
-    if (answer.plain_after > kFarAbove * answer.floor) answer.notes.push_back(kPartsDiffer);
+  // what was chosen and is not claimed explains nothing yet
+  if (answer.plain_before < plain) {
+    if (answer.plain_before > kFarAbove * answer.floor) answer.notes.push_back(kPartsDiffer);
     return wanders;
   }
   if (other.verdict == DiagnosisVerdict::unknown) {
@@ -76,7 +77,7 @@ Result<Diagnosed> diagnose_parts(CampaignRows rows, const EngineOptions& options
   }
   answer.verdict = DiagnosisVerdict::unknown;
   answer.depends_on = depends_on(answer.maps);
-  if (answer.error_after > kTheSame * answer.plain_after) return wanders;
+  if (answer.error_after > kTheSame * answer.plain_before) return wanders;
   answer.depends_on = {"time"};
   answer.notes.push_back("parts of the recording differ in gain or zero by far more than its noise: something changes with time");
   return wanders;

@@ -38,7 +38,7 @@ std::optional<double> typical(const MixedFit& fit) {
 
 std::optional<Finding> listed_moving_zero(const Workspace& w, const Selection& selection, const std::vector<Finding>& findings) {
   constexpr double kOfNothing = 0.16, kOfGains = 0.35;  // of what one line, and lines with own gains, leave above what own lines leave
-  constexpr double kLeast = 2e-3, kFar = 0.01;         // of the span; farther than zeros wander
+  constexpr double kLeast = 2e-3;                      // of the span
   constexpr std::size_t kFewestParts = 4;
   const EffectKind* drift = EffectRegistry::instance().find("reference_drift");
   // what was chosen and is not claimed may have taken the movement for its own
@@ -54,8 +54,7 @@ std::optional<Finding> listed_moving_zero(const Workspace& w, const Selection& s
   if (above > kOfNothing * (without - least) || above > kOfGains * (line_through(parts, OwnOfLine::gain).left - least) || moved < kLeast) return std::nullopt;
   Finding out = finding_about(*drift, w.output);
   out.form = "within_recording";
-  out.name_is_open = moved > kFar;
-  out.probability = out.name_is_open ? kNoClaim : kListed;
+  out.probability = kListed;
   out.side_witnessed = false;
   out.error_before = w.output.scale * std::sqrt(without);
   out.error_after = w.output.scale * std::sqrt(zeros.left);

@@ -177,8 +177,11 @@ bool is_bump_that_stays(const Asked& a) {
 }
 
 // A block that a logger lost shifts the output at once: no frequency does.
+// A lag that differs with the load is no delay.
 bool is_within_a_sample(const Asked& a) {
-  return std::ranges::any_of(a.f.parameters, [&](const FoundParameter& p) { return p.name == "lag_s" && std::abs(p.value) < shortest_sample_s(a.w.input); });
+  if (a.f.parameters.size() != 1) return false;
+  const FoundParameter& shift = a.f.parameters.front();
+  return (shift.name == "lag_s" || shift.name == "delay_s") && std::abs(shift.value) < shortest_sample_s(a.w.input);
 }
 
 bool is_skew_of_sweep(const Asked& a) {

@@ -29,7 +29,7 @@ enum class Cap {
   play_ahead,
   ordinary_servo,
   bump_that_stays,     ///< after a change of frequency
-  within_a_sample,     ///< a lag
+  within_a_sample,     ///< a lag or a delay
   skew_of_sweep,       ///< of two clocks, where the force has its own frequency at every time
   sagging_heat,        ///< of a film, that lowers its gain, at one drive
   helps_few,           ///< of the records, or parts, that it touches

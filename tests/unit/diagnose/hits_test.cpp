@@ -35,7 +35,7 @@ Campaign hits(double lead_s) {
     const double gain = 2.0 * (1.0 + 0.003 * rng.normal());
     for (std::size_t i = 0; i < F.size(); ++i) {
       const double rate = (F[std::min(i + 1, F.size() - 1)] - F[i > 0 ? i - 1 : 0]) * 0.5 * kRate_Hz;
-      U[i] = std::round((gain * (F[i] + lead_s * rate / (1.0 + 0.6 * F[i])) + 0.2 + 0.006 * rng.normal()) * 409.6) / 409.6;
+      U[i] = std::round((gain * (F[i] + lead_s * rate / (1.0 + 1.5 * F[i])) + 0.2 + 0.006 * rng.normal()) * 409.6) / 409.6;
     }
     for (double& f : F) f = std::round((f + 0.008 * rng.normal()) / 0.02) * 0.02;
     r.trace.time_bases.push_back(clock);
@@ -52,7 +52,7 @@ TEST(Hits, OfAStraightSensorTellNothing) {
 }
 
 TEST(Hits, ShowTheChargeOfAFilm) {
-  const Diagnosis d = answer(hits(0.0003));
+  const Diagnosis d = answer(hits(0.0006));
   EXPECT_GE(probability(d, "piezocapacitance"), 0.5) << told(d);
 }
 

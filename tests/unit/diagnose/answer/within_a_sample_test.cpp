@@ -7,22 +7,24 @@
 namespace forcegate::diagnose {
 namespace {
 
-// What is left of a lag where the samples are 1 ms apart.
-double of_lag(double lag_s) {
+// What is left of a shift where the samples are 1 ms apart.
+double of_shift(const char* effect, double shift_s) {
   Workspace w;
   w.input.records.resize(1);
   w.input.records[0].fast_t_s = {0.0, 0.001, 0.002};
   ResidualChannel channel;
   Finding f;
-  f.effect = "lag", f.probability = 0.9;
-  f.parameters = {{"lag_s", lag_s, 0.01 * lag_s, "s"}};
+  f.effect = effect, f.probability = 0.9;
+  f.parameters = {{std::string(effect) + "_s", shift_s, 0.01 * shift_s, "s"}};
   reserve(w, channel, {}, f);
   return f.probability;
 }
 
 TEST(WithinASample, IsNoClaim) {
-  EXPECT_LT(of_lag(0.0008), 0.5);
-  EXPECT_EQ(of_lag(0.0012), 0.9);
+  for (const char* effect : {"lag", "delay"}) {
+    EXPECT_LT(of_shift(effect, 0.0008), 0.5) << effect;
+    EXPECT_EQ(of_shift(effect, 0.0012), 0.9) << effect;
+  }
 }
 
 }  // namespace
