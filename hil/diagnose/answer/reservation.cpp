@@ -177,11 +177,12 @@ bool is_bump_that_stays(const Asked& a) {
 }
 
 // A block that a logger lost shifts the output at once: no frequency does.
-// A lag that differs with the load is no delay.
+// A lag that differs with the load is no delay. Rounded to the nearest sample such a shift is none.
 bool is_within_a_sample(const Asked& a) {
+  constexpr double kHalf = 0.5;
   if (a.f.parameters.size() != 1) return false;
   const FoundParameter& shift = a.f.parameters.front();
-  return (shift.name == "lag_s" || shift.name == "delay_s") && std::abs(shift.value) < shortest_sample_s(a.w.input);
+  return (shift.name == "lag_s" || shift.name == "delay_s") && std::abs(shift.value) < kHalf * shortest_sample_s(a.w.input);
 }
 
 bool is_skew_of_sweep(const Asked& a) {

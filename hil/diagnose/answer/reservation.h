@@ -68,7 +68,7 @@ inline constexpr std::array kCaps = {
     CapRow{Cap::play_ahead, "play_ahead", kWithdrawn, "nobody reads the angle, and no play is ahead of its command"},
     CapRow{Cap::ordinary_servo, "ordinary_servo", kWithdrawn, "nobody reads the angle, and a servo leaves as much between command and force"},
     CapRow{Cap::bump_that_stays, "bump_that_stays", kNoClaim, "it is not seen to fade back: a gain that goes with the frequency leaves the same", true},
-    CapRow{Cap::within_a_sample, "within_a_sample", kNoClaim, "it comes to less than the time between two samples: channels that are read one after the other do as much"},
+    CapRow{Cap::within_a_sample, "within_a_sample", kNoClaim, "it comes to less than half the time between two samples: channels that are read one after the other do as much"},
     CapRow{Cap::skew_of_sweep, "skew_of_sweep", kNoClaim, "the force goes faster and faster: a shift that grows with its frequency, as a mass or a filter makes, looks the same", true},
     CapRow{Cap::sagging_heat, "sagging_heat", kNoClaim,
            "a warm film conducts better, and this gain falls while the load lasts: a stage that leaks, tracks its zero or levels its gain does that too; two drive voltages would tell", true},

@@ -1,4 +1,4 @@
-// A shift of less than the time between two samples: channels that are read one after the other have it too.
+// A shift of less than half the time between two samples: channels that are read one after the other have it too.
 
 #include <gtest/gtest.h>
 
@@ -22,8 +22,8 @@ double of_shift(const char* effect, double shift_s) {
 
 TEST(WithinASample, IsNoClaim) {
   for (const char* effect : {"lag", "delay"}) {
-    EXPECT_LT(of_shift(effect, 0.0008), 0.5) << effect;
-    EXPECT_EQ(of_shift(effect, 0.0012), 0.9) << effect;
+    EXPECT_LT(of_shift(effect, 0.0004), 0.5) << effect;
+    EXPECT_EQ(of_shift(effect, 0.0006), 0.9) << effect;
   }
 }
 
