@@ -180,7 +180,7 @@ bool is_bump_that_stays(const Asked& a) {
 // A lag that differs with the load is no delay. Rounded to the nearest sample such a shift is none.
 bool is_within_a_sample(const Asked& a) {
   constexpr double kHalf = 0.5;
-  if (a.f.parameters.size() != 1) return false;
+  if (a.f.parameters.size() != 1 || a.f.form == "sooner_under_load") return false;
   const FoundParameter& shift = a.f.parameters.front();
   return (shift.name == "lag_s" || shift.name == "delay_s") && std::abs(shift.value) < kHalf * shortest_sample_s(a.w.input);
 }
