@@ -30,7 +30,10 @@ double u_of(const std::vector<std::vector<PanelValue>>& records) {
   std::vector<std::vector<JudgedCase>> judged;
   for (const auto& of_one : records) {
     judged.emplace_back();
-    for (const PanelValue& v : of_one) judged.back().emplace_back().maxima = judged.back().back().minima = v;
+    for (const PanelValue& v : of_one) {
+      JudgedCase& session = judged.back().emplace_back();
+      session.maxima = session.minima = v;
+    }
   }
   std::vector<SpecimenSessions> specimens;
   for (auto& of_one : judged) {
