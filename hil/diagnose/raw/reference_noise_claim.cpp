@@ -50,6 +50,9 @@ std::optional<HealthClaim> in_bursts(const std::vector<RecordHealth>& health, co
 // White noise of a sample that neither the movement of the force nor the output shares.
 double own_noise_N(const RecordHealth& h) { return std::min(std::max(h.noise_F_N, h.scatter_F.quartile_N), h.scatter_F.alone_N); }
 
+// Where the force moves in every window nothing is left of the scatter beside the output, and nothing is known of it.
+bool moves_throughout(const RecordHealth& h) { return own_noise_N(h) == 0.0 && h.noise_F_N > h.lsb_F_N; }
+
 double middle_of_output_V(std::span<const RecordHealth* const> records) {
   std::vector<double> noise;
   for (const RecordHealth* h : records) noise.push_back(h->noise_U_V);
@@ -98,7 +101,7 @@ std::optional<HealthClaim> claim_of_reference_noise(const std::vector<RecordHeal
   std::vector<double> noise, stood, ladder;
   double lsb_N = 0.0, lsb_V = 0.0;
   for (const RecordHealth& h : health) {
-    noise.push_back(own_noise_N(h));
+    if (!moves_throughout(h)) noise.push_back(own_noise_N(h));
     if (h.scatter_F.still_N > 0.0) stood.push_back(h.scatter_F.still_N);
     if (h.lsb_F_N > 0.0) ladder.push_back(std::min(h.lsb_F_N / std::sqrt(12.0), h.beside_line_N));
     lsb_N = std::max(lsb_N, h.lsb_F_N);
@@ -116,7 +119,7 @@ std::optional<HealthClaim> claim_of_reference_noise(const std::vector<RecordHeal
   // moves by the same: the levels of a staircase are no codes
   const std::size_t several = std::min<std::size_t>(2, health.size());
   const double of_ladder = ladder.size() >= several ? quantile(ladder, 0.5) : 0.0;
-  const double moving = std::max(quantile(noise, 0.25), of_ladder);
+  const double moving = std::max(2 * noise.size() < health.size() ? 0.0 : quantile(noise, 0.25), of_ladder);
   const double still =
       stood.size() * 2 >= std::min<std::size_t>(health.size(), 4) ? quantile(stood, 0.25) : 0.0;
   const bool scatters = noise_declared ? moving > kAbove * allowed || still > kAboveStill * allowed_still

@@ -43,6 +43,22 @@ TEST(ReferenceNoiseClaim, OneRestlessRecordIsNoClaim) {
   EXPECT_FALSE(claim_of_reference_noise(health, scales(), {}).has_value());
 }
 
+// Of a force that moves in every window the scatter is not known, which is no scatter of 0.
+TEST(ReferenceNoiseClaim, RecordsThatMoveThroughoutHideNoneOfTheOthers) {
+  BenchFacts bench;
+  bench.reference_noise_N = 0.01;
+  std::vector<RecordHealth> health;
+  for (int k = 0; k < 4; ++k) health.push_back(record(kLoud_N));
+  for (int k = 0; k < 3; ++k) {
+    health.push_back(record(kLoud_N));
+    health.back().scatter_F.quartile_N = health.back().scatter_F.alone_N = 0.0;
+  }
+  for (RecordHealth& h : health) h.scatter_F.still_N = 0.0;
+  EXPECT_TRUE(claim_of_reference_noise(health, scales(), bench).has_value());
+  for (int k = 0; k < 2; ++k) health.push_back(health.back());
+  EXPECT_FALSE(claim_of_reference_noise(health, scales(), bench).has_value()) << "fewer than half tell";
+}
+
 TEST(ReferenceNoiseClaim, WhatTheOutputSharesIsNotTheReferences) {
   std::vector<RecordHealth> health = late_part();
   for (std::size_t k = 3; k < health.size(); ++k) health[k].noise_U_V *= 5.0;
