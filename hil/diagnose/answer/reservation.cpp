@@ -176,7 +176,6 @@ bool is_bump_that_stays(const Asked& a) {
   return std::isfinite(shortest_s) && shortest_s > kFades_s;
 }
 
-// A block that a logger lost shifts the output at once: no frequency does.
 // A lag that differs with the load is no delay. Rounded to the nearest sample such a shift is none.
 bool is_within_a_sample(const Asked& a) {
   constexpr double kHalf = 0.5;
@@ -185,6 +184,7 @@ bool is_within_a_sample(const Asked& a) {
   return (shift.name == "lag_s" || shift.name == "delay_s") && std::abs(shift.value) < kHalf * shortest_sample_s(a.w.input);
 }
 
+// A block that a logger lost shifts the output at once: no frequency does.
 bool is_skew_of_sweep(const Asked& a) {
   constexpr double kSame = 0.9;
   return a.f.effect == "clock_skew" && a.f.form == "linear" && time_as_frequency(a.w.input) > kSame;
